@@ -51,7 +51,8 @@ CONCEG_API conceg_status conceg_doc_read(conceg_doc *doc, const char *path, conc
 CONCEG_API conceg_status conceg_doc_write(conceg_doc *doc, const char *path, const conceg_array *array) CONCEG_NODISCARD;
 
 /* Gives the document a new zeroed array and returns its storage to be filled in place, so that large results are not
- * copied. Borrowed like a view. Not for CONCEG_TEXT. Errors as conceg_doc_write. */
+ * copied. Borrowed like a view; fill it before the document is digested, validated or saved. Not for CONCEG_TEXT. Errors as
+ * conceg_doc_write. */
 CONCEG_API conceg_status conceg_doc_new_array(conceg_doc *doc, const char *path, conceg_dtype dtype, uint32_t rank,
                                               const uint64_t *shape, void **storage) CONCEG_NODISCARD;
 

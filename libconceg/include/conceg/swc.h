@@ -57,6 +57,9 @@ CONCEG_API int conceg_swc_problem(const conceg_swc *swc, uint32_t index, uint32_
 CONCEG_API const char *conceg_swc_header(const conceg_swc *swc, const char *key);
 CONCEG_API const double *conceg_swc_column(const conceg_swc *swc, const char *name);
 
+/* A parent that makes a sample a root of its own although the cell has a soma (pieces cut at the sides of a box). */
+#define CONCEG_SWC_FLOATING (-2)
+
 /* One cell to write. Arrays are borrowed. parent -1 = on the soma (or a root when soma_radius is 0). */
 typedef struct conceg_swc_cell {
   uint32_t size;
@@ -65,7 +68,7 @@ typedef struct conceg_swc_cell {
   const double *position; /* [count][3] um, unwrapped */
   const double *radius;   /* [count] um, > 0 */
   const uint8_t *kind;    /* [count] SWC code */
-  const int64_t *parent;  /* [count], parent < child */
+  const int64_t *parent;  /* [count], parent < child; -1 or CONCEG_SWC_FLOATING for a root */
   double soma[3];
   double soma_radius;                 /* 0 = no soma row */
   const char *const *header;          /* NULL-terminated lines without the leading "# ", e.g. "@conceg {...}" ; may be NULL */

@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * SWC reader: memory, problems, reading a file, and the accessors. */
+#include "swc_internal.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void *swc_alloc(conceg_swc *swc, size_t count, size_t size) {
+  void *memory = swc->out_of_memory ? NULL : calloc(count ? count : 1, size);
+  if (!memory) swc->out_of_memory = 1;
+  return memory;
+}
+
+int swc_reserve(conceg_swc *swc, void **array, size_t *room, size_t need, size_t size) {
+  size_t wanted = *room ? *room : 64;
+  void *grown;
+  if (need <= *room) return 1;
+  while (wanted < need) {
+    if (wanted > SIZE_MAX / 2) return swc->out_of_memory = 1, 0;
+    wanted *= 2;
+  }
+  grown = swc->out_of_memory || wanted > SIZE_MAX / size ? NULL : realloc(*array, wanted * size);
+  if (!grown) return swc->out_of_memory = 1, 0;
+  *array = grown, *room = wanted;
+  return 1;
+}
+
+char *swc_copy(conceg_swc *swc, const char *text, size_t length) {
+  char *copy = swc_alloc(swc, length + 1, 1);
+  if (copy) memcpy(copy, text, length), copy[length] = 0;
+  return copy;
+}
+
+static void add_problem(conceg_swc *swc, uint32_t severity, uint32_t line, const char *code,
+                        const char *format, va_list arguments) {
+  char text[512];
+  swc_problem *problem;
+  char *copy;
+  if (vsnprintf(text, sizeof text, format, arguments) < 0) text[0] = 0;
+  if (severity == 0) swc->error_count++;
+  if (!swc_reserve(swc, (void **)&swc->problem, &swc->problem_room, swc->problem_count + 1, sizeof *problem))
+    return;
+  copy = swc_copy(swc, text, strlen(text));
+  if (!copy) return;
+  problem = &swc->problem[swc->problem_count];
+  problem->severity = severity, problem->line = line, problem->order = (uint32_t)swc->problem_count;
+  problem->code = code, problem->text = copy;
+  swc->problem_count++;
+}
+
+void swc_error(conceg_swc *swc, uint32_t line, const char *code, const char *format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  add_problem(swc, 0, line, code, format, arguments);
+  va_end(arguments);
+}
+
+void swc_warn(conceg_swc *swc, uint32_t line, const char *code, const char *format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  add_problem(swc, 1, line, code, format, arguments);
+  va_end(arguments);
+}
+
+void swc_warn_strict(conceg_swc *swc, uint32_t line, const char *code, const char *format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  add_problem(swc, swc->flags & CONCEG_SWC_STRICT ? 0 : 1, line, code, format, arguments);
+  va_end(arguments);
+}
+
+void swc_remark(conceg_swc *swc, swc_note note, uint32_t line) {
+  if (!swc->note_count[note] || line < swc->note_line[note]) swc->note_line[note] = line;
+  swc->note_count[note]++;
+}
+
+/* One problem per kind of remark, with the first line and the number of rows. */
+static void report_remarks(conceg_swc *swc) {
+  static const struct {
+    const char *code, *text;
+    int strict;
+  } remark[SWC_NOTE_COUNT] = {
+      {"W_EOL", "line ends are a bare CR; read as line ends", 0},
+      {"W_DELIM", "columns are separated by commas; write single spaces", 1},
+      {"W_TRAILING", "text after the columns starts with #; it is left out", 0},
+      {"W_COLUMNS", "more than 7 columns; the extra ones are kept as column8, column9, ...", 0},
+      {"W_FLOAT_ID", "id, type or parent is written as a decimal number; read as an integer", 1},
+      {"W_ENCODING", "a comment holds bytes that are not UTF-8; kept as they are", 0},
+      {"W_TYPE", "type is negative (read as 0) or 20 or more (kept)", 0},
+      {"W_RADIUS", "radius is 0 or negative; kept, but a mesh needs a positive one", 0},
+      {"W_CNIC", "type 5 at a fork or 6 at a tip inside a branch; read as the parent's type", 0},
+      {"W_ZEROLEN", "sample lies on its parent: a segment of length 0; kept", 0},
+  };
+  int note;
+  for (note = 0; note < SWC_NOTE_COUNT; note++) {
+    const unsigned long long rows = swc->note_count[note];
+    if (!rows) continue;
+    (remark[note].strict ? swc_warn_strict : swc_warn)(swc, swc->note_line[note], remark[note].code,
+                                                       "%s (%llu line%s)", remark[note].text, rows,
+                                                       rows == 1 ? "" : "s");
+  }
+}
+
+static int by_line(const void *a, const void *b) {
+  const swc_problem *p = a, *q = b;
+  if (p->line != q->line) return p->line < q->line ? -1 : 1;
+  return p->order < q->order ? -1 : p->order > q->order;
+}
+
+/* Sorts the problems and turns them into the status of the call. */
+static conceg_status conclude(conceg_swc *swc) {
+  size_t i;
+  report_remarks(swc);
+  if (swc->out_of_memory)
+    return conceg_ctx_fail(swc->ctx, CONCEG_E_NOMEM, "%s: out of memory", swc->name ? swc->name : "SWC");
+  if (swc->problem_count) qsort(swc->problem, swc->problem_count, sizeof *swc->problem, by_line);
+  for (i = 0; i < swc->problem_count; i++) {
+    const swc_problem *p = &swc->problem[i];
+    if (p->severity == 0)
+      return conceg_ctx_fail(swc->ctx, CONCEG_E_FORMAT, "%s:%u: %s: %s", swc->name, p->line, p->code,
+                             p->text);
+  }
+  return CONCEG_OK;
+}
+
+conceg_status conceg_swc_parse(conceg_ctx *ctx, const char *text, size_t length, const char *name,
+                               uint32_t flags, conceg_swc **out) {
+  conceg_swc *swc;
+  conceg_status status;
+  *out = NULL;
+  if (length >= UINT32_MAX)
+    return conceg_ctx_fail(ctx, CONCEG_E_RANGE, "%s: expected less than 4 GiB, got %zu bytes", name, length);
+  swc = calloc(1, sizeof *swc);
+  if (!swc) return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "%s: out of memory", name);
+  swc->ctx = ctx, swc->flags = flags;
+  swc->name = swc_copy(swc, name, strlen(name));
+  *out = swc;
+  swc_parse_text(swc, text, length);
+  if (!swc->out_of_memory && !swc->error_count) swc_build_tree(swc);
+  status = conclude(swc);
+  if (status != CONCEG_OK) swc->count = 0;
+  return status;
+}
+
+/* The whole file in memory; *out is NULL after an error. */
+static conceg_status load(conceg_ctx *ctx, const char *path, char **out, size_t *length) {
+  FILE *file = fopen(path, "rb");
+  char *text = NULL;
+  size_t room = 0, used = 0;
+  int failed = 0;
+  *out = NULL, *length = 0;
+  if (!file) return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
+  errno = 0;
+  for (;;) {
+    size_t got;
+    if (used == room) {
+      char *grown = room > UINT32_MAX ? NULL : realloc(text, room ? room * 2 : 1 << 16);
+      if (!grown) {
+        failed = 1;
+        break;
+      }
+      text = grown, room = room ? room * 2 : 1 << 16;
+    }
+    got = fread(text + used, 1, room - used, file);
+    used += got;
+    if (got == 0) break;
+  }
+  if (!failed && ferror(file)) {
+    const int reason = errno;
+    free(text), fclose(file);
+    return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be read: %s", path, strerror(reason ? reason : EIO));
+  }
+  fclose(file);
+  if (failed) {
+    const int too_large = room > UINT32_MAX;
+    free(text);
+    return too_large ? conceg_ctx_fail(ctx, CONCEG_E_RANGE, "%s: expected less than 4 GiB, got more", path)
+                     : conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "%s: out of memory", path);
+  }
+  *out = text, *length = used;
+  return CONCEG_OK;
+}
+
+conceg_status conceg_swc_read(conceg_ctx *ctx, const char *path, uint32_t flags, conceg_swc **out) {
+  char *text;
+  size_t length;
+  conceg_status status;
+  *out = NULL;
+  status = load(ctx, path, &text, &length);
+  if (status != CONCEG_OK) return status;
+  status = conceg_swc_parse(ctx, text, length, path, flags, out);
+  free(text);
+  return status;
+}
+
+void conceg_swc_free(conceg_swc *swc) {
+  size_t i;
+  if (!swc) return;
+  for (i = 0; i < swc->problem_count; i++)
+    free(swc->problem[i].text);
+  for (i = 0; i < swc->header_count; i++)
+    free(swc->header[i].key), free(swc->header[i].value);
+  for (i = 0; i < swc->column_count; i++)
+    free(swc->column[i].name), free(swc->column[i].value);
+  free(swc->name), free(swc->row), free(swc->problem), free(swc->header), free(swc->column);
+  free(swc->parent), free(swc->merged), free(swc->is_soma), free(swc->first_child), free(swc->next_sibling);
+  free(swc->sample_row), free(swc->position), free(swc->radius), free(swc->kind), free(swc->sample_parent);
+  free(swc->on_soma), free(swc->line);
+  free(swc);
+}
+
+uint64_t conceg_swc_count(const conceg_swc *swc) {
+  return swc->count;
+}
+const double *conceg_swc_position(const conceg_swc *swc) {
+  return swc->position;
+}
+const double *conceg_swc_radius(const conceg_swc *swc) {
+  return swc->radius;
+}
+const int32_t *conceg_swc_kind(const conceg_swc *swc) {
+  return swc->kind;
+}
+const int64_t *conceg_swc_parent(const conceg_swc *swc) {
+  return swc->sample_parent;
+}
+const uint8_t *conceg_swc_on_soma(const conceg_swc *swc) {
+  return swc->on_soma;
+}
+const uint32_t *conceg_swc_line(const conceg_swc *swc) {
+  return swc->line;
+}
+
+conceg_soma_form conceg_swc_soma(const conceg_swc *swc, double center[3], double *radius) {
+  if (center) memcpy(center, swc->soma_center, sizeof swc->soma_center);
+  if (radius) *radius = swc->soma_radius;
+  return swc->soma_form;
+}
+
+int conceg_swc_problem(const conceg_swc *swc, uint32_t index, uint32_t *severity, uint32_t *line,
+                       const char **code, const char **text) {
+  const swc_problem *problem;
+  if (index >= swc->problem_count) return 0;
+  problem = &swc->problem[index];
+  if (severity) *severity = problem->severity;
+  if (line) *line = problem->line;
+  if (code) *code = problem->code;
+  if (text) *text = problem->text;
+  return 1;
+}
+
+const char *conceg_swc_header(const conceg_swc *swc, const char *key) {
+  size_t i;
+  for (i = 0; i < swc->header_count; i++)
+    if (!strcmp(swc->header[i].key, key)) return swc->header[i].value;
+  return NULL;
+}
+
+const double *conceg_swc_column(const conceg_swc *swc, const char *name) {
+  size_t i;
+  if (swc->count)
+    for (i = 0; i < swc->column_count; i++)
+      if (!strcmp(swc->column[i].name, name)) return swc->column[i].value;
+  return NULL;
+}

@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Numbers of SWC files: independent of the locale and correctly rounded. */
+#define _GNU_SOURCE
+#include "swc_internal.h"
+
+#include <locale.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define LONGEST_NUMBER 255
+
+static const double power_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                      1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+
+/* The C library's conversion in the C locale, for what the exact fast path cannot do. */
+static const char *read_slowly(const char *text, const char *last, double *out) {
+  char copy[LONGEST_NUMBER + 1], *stop;
+  const size_t length = (size_t)(last - text);
+  const locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+  if (!c || length > LONGEST_NUMBER) {
+    if (c) freelocale(c);
+    return NULL;
+  }
+  memcpy(copy, text, length), copy[length] = 0;
+  *out = strtod_l(copy, &stop, c);
+  freelocale(c);
+  return stop == copy + length ? last : NULL;
+}
+
+static int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+/* Exponent digits after 'e' or 'p'; saturates, so that it never overflows. */
+static const char *read_exponent(const char *p, const char *end, int *out) {
+  int negative = 0, value = 0;
+  if (p < end && (*p == '+' || *p == '-')) negative = *p++ == '-';
+  if (p == end || *p < '0' || *p > '9') return NULL;
+  for (; p < end && *p >= '0' && *p <= '9'; p++)
+    if (value < 100000) value = value * 10 + (*p - '0');
+  *out = negative ? -value : value;
+  return p;
+}
+
+static const char *read_hex(const char *text, const char *p, const char *end, int negative, double *out) {
+  uint64_t mantissa = 0;
+  int digits = 0, exponent = 0, scale = 0, point = 0, exact = 1;
+  for (; p < end; p++) {
+    const int digit = hex_digit(*p);
+    if (*p == '.' && !point) {
+      point = 1;
+      continue;
+    }
+    if (digit < 0) break;
+    if (mantissa >> 49) exact = 0;
+    mantissa = mantissa * 16 + (unsigned)digit, digits++;
+    if (point) scale -= 4;
+  }
+  if (!digits) return NULL;
+  if (p < end && (*p == 'p' || *p == 'P')) {
+    p = read_exponent(p + 1, end, &exponent);
+    if (!p) return NULL;
+  }
+  exponent += scale;
+  if (!exact || exponent < -1000 || exponent > 900) return read_slowly(text, p, out);
+  *out = ldexp((double)mantissa, exponent);
+  if (negative) *out = -*out;
+  return p;
+}
+
+const char *swc_read_double(const char *text, const char *end, double *out) {
+  const char *p = text;
+  uint64_t mantissa = 0;
+  int digits = 0, significant = 0, exponent = 0, scale = 0, negative = 0;
+  if (p < end && (*p == '+' || *p == '-')) negative = *p++ == '-';
+  if (end - p > 2 && p[0] == '0' && (p[1] == 'x' || p[1] == 'X'))
+    return read_hex(text, p + 2, end, negative, out);
+  for (; p < end && *p >= '0' && *p <= '9'; p++, digits++) {
+    if (significant < 19) mantissa = mantissa * 10 + (unsigned)(*p - '0');
+    if (mantissa) significant++;
+  }
+  if (p < end && *p == '.')
+    for (p++; p < end && *p >= '0' && *p <= '9'; p++, digits++) {
+      if (significant < 19) mantissa = mantissa * 10 + (unsigned)(*p - '0'), scale--;
+      if (mantissa) significant++;
+    }
+  if (!digits) return NULL;
+  if (p < end && (*p == 'e' || *p == 'E')) {
+    p = read_exponent(p + 1, end, &exponent);
+    if (!p) return NULL;
+  }
+  exponent += scale;
+  /* Exact when both the digits and the power of ten are exact doubles (Clinger 1990). */
+  if (significant > 19 || mantissa > (1ull << 53) || exponent < -22 || exponent > 22)
+    return mantissa ? read_slowly(text, p, out) : (*out = negative ? -0.0 : 0.0, p);
+  *out =
+      exponent < 0 ? (double)mantissa / power_of_ten[-exponent] : (double)mantissa * power_of_ten[exponent];
+  if (negative) *out = -*out;
+  return p;
+}
+
+const char *swc_read_integer(const char *text, const char *end, int64_t *out) {
+  const char *p = text;
+  uint64_t value = 0;
+  int negative = 0, digits = 0;
+  if (p < end && (*p == '+' || *p == '-')) negative = *p++ == '-';
+  for (; p < end && *p >= '0' && *p <= '9'; p++, digits++) {
+    if (value > (uint64_t)(INT64_MAX - 9) / 10) return NULL;
+    value = value * 10 + (unsigned)(*p - '0');
+  }
+  if (!digits) return NULL;
+  *out = negative ? -(int64_t)value : (int64_t)value;
+  return p;
+}
+
+size_t swc_write_fixed6(char *out, double value) {
+  __extension__ typedef unsigned __int128 wide;
+  const double size = fabs(value);
+  uint64_t whole = (uint64_t)size;
+  const uint64_t fraction = (uint64_t)ldexp(size - (double)whole, 64 - 1); /* in units of 2^-63 */
+  uint64_t micro = (uint64_t)(((wide)fraction * 1000000u + ((wide)1 << 62)) >> 63);
+  char digits[24];
+  size_t length = 0, count = 0;
+  int place;
+  if (micro >= 1000000u) micro -= 1000000u, whole++;
+  if (value < 0.0 && (whole || micro)) out[length++] = '-';
+  do
+    digits[count++] = (char)('0' + whole % 10), whole /= 10;
+  while (whole);
+  while (count)
+    out[length++] = digits[--count];
+  out[length++] = '.';
+  for (place = 5; place >= 0; place--)
+    out[length + (size_t)place] = (char)('0' + micro % 10), micro /= 10;
+  return length + 6;
+}
+
+size_t swc_write_hex(char *out, double value) {
+  static const char hex[] = "0123456789abcdef";
+  uint64_t bits, fraction;
+  int exponent, started = 0, divisor;
+  size_t length = 0;
+  memcpy(&bits, &value, sizeof bits);
+  fraction = bits & 0xfffffffffffffull;
+  exponent = (int)(bits >> 52 & 0x7ff);
+  if (bits >> 63) out[length++] = '-';
+  out[length++] = '0', out[length++] = 'x';
+  out[length++] = exponent ? '1' : '0';
+  if (fraction) {
+    out[length++] = '.';
+    for (; fraction; fraction = fraction << 4 & 0xfffffffffffffull)
+      out[length++] = hex[fraction >> 48];
+  }
+  exponent = exponent ? exponent - 1023 : bits << 1 ? -1022 : 0;
+  out[length++] = 'p';
+  out[length++] = exponent < 0 ? '-' : '+';
+  if (exponent < 0) exponent = -exponent;
+  for (divisor = 1000; divisor; divisor /= 10)
+    if (started || exponent / divisor || divisor == 1)
+      out[length++] = (char)('0' + exponent / divisor % 10), started = 1;
+  return length;
+}
