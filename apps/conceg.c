@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * The umbrella: conceg <word> is a tool built in here, or the program conceg-<word>. */
+#define _GNU_SOURCE
+#include "cli.h"
+#include "stage_program.h"
+#include "tools.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+struct word {
+  const char *name, *summary;
+  int (*run)(int argc, char **argv);
+};
+
+static const struct word tools[] = {{"run", "a whole recipe in one process", tool_run},
+                                    {"info", "what a document holds", tool_info},
+                                    {"validate", "check a document against every rule of the format", tool_validate},
+                                    {"dump", "a document as text, in canonical order", tool_dump},
+                                    {"diff", "compare two documents", tool_diff},
+                                    {"strip", "a document without some of its groups", tool_strip},
+                                    {"stages", "which stages there are and which file answers", tool_stages},
+                                    {"params", "the parameters of a stage", tool_params},
+                                    {NULL, NULL, NULL}};
+
+static void print_help(void) {
+  const struct word *tool;
+  uint32_t i, j;
+  puts("conceg: dense grey-matter substrates grown from real cell reconstructions\n\nusage: conceg WORD [options]    (conceg WORD --help "
+       "says more)\n\nstages, piped in this order:");
+  for (i = 0; conceg_pipeline_kind(i); i++)
+    for (j = 0; conceg_builtins[j]; j++)
+      if (!strcmp(conceg_builtins[j]->kind, conceg_pipeline_kind(i)))
+        printf("  %-13s %s\n", conceg_builtins[j]->kind, conceg_builtins[j]->summary ? conceg_builtins[j]->summary : "");
+  puts("\ntools:");
+  for (tool = tools; tool->name; tool++) printf("  %-13s %s\n", tool->name, tool->summary);
+  puts("  help [WORD]   this page, or the page of a word\n  version       versions, libraries and licence\n\nAny other word runs the program "
+       "conceg-WORD from PATH.\n\nexample:\n  conceg place -p recipe.yaml | conceg triangulate | conceg grow | conceg relax | conceg mesh > "
+       "cube.cgx\n  conceg run recipe.yaml --until mesh -o cube.cgx");
+}
+
+static int print_version(void) {
+  char *arguments[] = {(char *)(uintptr_t)"conceg", (char *)(uintptr_t)"--version", NULL};
+  static const struct cli_program program = {.name = "conceg", .usage = "WORD [options]", .summary = ""};
+  struct cli cli;
+  return cli_end(&cli, cli_begin(&cli, &program, 2, arguments));
+}
+
+/* The folder of this very program, with a closing "/"; "" when the system does not tell. */
+static void own_folder(char *out, size_t size) {
+  const ssize_t length = readlink("/proc/self/exe", out, size - 1);
+  char *slash;
+  out[length > 0 ? length : 0] = '\0';
+  slash = strrchr(out, '/');
+  if (slash) slash[1] = '\0';
+  else *out = '\0';
+}
+
+/* conceg-<word> from PATH, so that a user's program replaces a stage; then the one beside this program. Returns only when
+ * there is none (0) or when it cannot be started (exit code). */
+static int run_program(const char *word, char **argv) {
+  char name[128], path[4096 + 128], folder[4096];
+  if (strchr(word, '/') || strlen(word) > 64) return 0;
+  snprintf(name, sizeof name, "conceg-%s", word);
+  argv[0] = name;
+  execvp(name, argv);
+  if (errno == ENOENT || errno == EACCES) {
+    own_folder(folder, sizeof folder);
+    snprintf(path, sizeof path, "%s%s", folder, name);
+    if (*folder) execv(path, argv);
+  }
+  argv[0] = (char *)(uintptr_t)word;
+  if (errno == ENOENT || errno == EACCES) return 0;
+  fprintf(stderr, "conceg: error: %s: cannot be started: %s\n", word, strerror(errno));
+  return EXIT_MISSING;
+}
+
+static int is_stage_word(const char *word) {
+  uint32_t i;
+  for (i = 0; conceg_pipeline_kind(i); i++)
+    if (!strcmp(conceg_pipeline_kind(i), word)) return 1;
+  return 0;
+}
+
+static int run_word(const char *word, int argc, char **argv) {
+  const struct word *tool;
+  char name[96];
+  int code;
+  for (tool = tools; tool->name; tool++)
+    if (!strcmp(tool->name, word)) return tool->run(argc, argv);
+  code = run_program(word, argv);
+  if (code) return code;
+  snprintf(name, sizeof name, "conceg %.80s", word);
+  if (is_stage_word(word)) return stage_program(word, name, argc, argv); /* a plugin may stand in */
+  fprintf(stderr, "conceg: error: unknown word %s, and PATH has no program conceg-%s (conceg help lists the words)\n", word, word);
+  return EXIT_USAGE;
+}
+
+int main(int argc, char **argv) {
+  static char help_flag[] = "--help";
+  const char *word = argc > 1 ? argv[1] : NULL;
+  if (!word) {
+    fputs("usage: conceg WORD [options]\nconceg: error: which word? (conceg help lists them)\n", stderr);
+    return EXIT_USAGE;
+  }
+  if (!strcmp(word, "help") && argc > 2) {
+    char *page[] = {argv[2], help_flag, NULL};
+    return run_word(argv[2], 2, page);
+  }
+  if (!strcmp(word, "help") || !strcmp(word, "--help") || !strcmp(word, "-h")) {
+    print_help();
+    return fflush(stdout) || ferror(stdout) ? EXIT_IO : EXIT_OK;
+  }
+  if (!strcmp(word, "version") || !strcmp(word, "--version")) return print_version();
+  if (*word == '-') {
+    fprintf(stderr, "conceg: error: expected a word before %s (conceg help lists them)\n", word);
+    return EXIT_USAGE;
+  }
+  return run_word(word, argc - 1, argv + 1);
+}
