@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The committed default dictionary: valid, complete, and measuring like the cells that it was made from.
+#include "check.h"
+
+#include "guard.hpp"
+#include "view.hpp"
+
+#include "conceg/conceg.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+using namespace conceg;
+
+namespace {
+
+// Per-cell means over the branches of the dendrites of the source cells: order (1 at the root), length, local
+// angle.
+struct Expected {
+  const char *entry, *cell_class;
+  std::size_t donors;
+  double order, order_tolerance, length_um, length_tolerance_um, angle_degree, angle_tolerance_degree;
+};
+const Expected expected[] = {
+    {"L23_pyramidal", "pyramidal", 10, 3.86, 0.4, 47.0, 3.0, 71.0,
+     4.0}, // pooled with upper layer 4 (3.65, 47.9, 73)
+    {"L4_pyramidal", "pyramidal", 23, 3.65, 0.1, 47.9, 1.0, 73.0, 2.0},
+    {"L5_pyramidal", "pyramidal", 10, 4.64, 0.3, 52.6, 2.0, 69.0,
+     3.0}, // without the cell whose apical dendrite is cut
+    {"L6_pyramidal", "pyramidal", 5, 5.15, 0.1, 57.3, 1.0, 69.0, 2.0},
+    {"L23_interneuron", "interneuron", 8, 3.23, 0.1, 50.3, 1.0, 69.0, 4.0},
+    {"L4_interneuron", "interneuron", 6, 2.90, 0.1, 53.1, 1.0, 69.0, 4.0},
+    {"L5_interneuron", "interneuron", 23, 2.94, 0.1, 58.2, 1.0, 73.0, 4.0},
+    {"L6_interneuron", "interneuron", 5, 2.90, 0.1, 54.2, 1.0, 72.0, 4.0},
+    {"microglia", "microglia", 16, 6.2, 0.6, 6.7, 0.5, 50.0, 5.0},
+    {"astrocyte", "astrocyte", 16, 2.2, 0.2, 13.0, 1.0, 75.0, 3.0},
+};
+
+struct Loaded {
+  std::vector<std::string> entry, entry_class, donor_id, frame_kind;
+  View<std::uint64_t> entry_donor, entry_angle, donor_tree, tree_bar;
+  View<std::uint8_t> neurite;
+  View<double> angle, straightness, soma, birth, death, radius, taper, direction, distance;
+  View<std::int64_t> parent;
+};
+
+Loaded load(conceg_doc *doc) {
+  Loaded d;
+  d.entry = texts(doc, "/dictionary/entry_name"), d.entry_class = texts(doc, "/dictionary/entry_class");
+  d.donor_id = texts(doc, "/dictionary/donor_id"), d.frame_kind = texts(doc, "/dictionary/donor_frame_kind");
+  d.entry_donor = view<std::uint64_t>(doc, "/dictionary/entry_donor_offset");
+  d.entry_angle = view<std::uint64_t>(doc, "/dictionary/entry_angle_offset");
+  d.donor_tree = view<std::uint64_t>(doc, "/dictionary/donor_tree_offset");
+  d.tree_bar = view<std::uint64_t>(doc, "/dictionary/tree_bar_offset");
+  d.neurite = view<std::uint8_t>(doc, "/dictionary/tree_neurite");
+  d.angle = view<double>(doc, "/dictionary/angle"),
+  d.straightness = view<double>(doc, "/dictionary/entry_straightness");
+  d.soma = view<double>(doc, "/dictionary/donor_soma_radius");
+  d.birth = view<double>(doc, "/dictionary/bar_birth"), d.death = view<double>(doc, "/dictionary/bar_death");
+  d.radius = view<double>(doc, "/dictionary/bar_radius"),
+  d.taper = view<double>(doc, "/dictionary/bar_taper");
+  d.parent = view<std::int64_t>(doc, "/dictionary/bar_parent");
+  d.direction = view<double>(doc, "/dictionary/bar_tip_direction", 3);
+  d.distance = view<double>(doc, "/dictionary/bar_tip_distance");
+  return d;
+}
+
+struct Branches {
+  double order = 0.0, length = 0.0, count = 0.0;
+};
+
+// Branches of a tree from its bars: a bar is cut where others start on it; forks of three count once.
+void add_branches(const Loaded &d, std::size_t tree, Branches &sum) {
+  const std::size_t begin = d.tree_bar[tree], end = d.tree_bar[tree + 1];
+  std::vector<double> first(end - begin, 1.0);
+  for (std::size_t i = begin; i < end; i++) {
+    double order = first[i - begin], from = d.birth[i];
+    for (bool last = false; !last; order++) {
+      double next = d.death[i];
+      last = true;
+      for (std::size_t j = i + 1; j < end; j++)
+        if (d.parent[j] == static_cast<std::int64_t>(i - begin) &&
+            (d.birth[j] > from || (d.birth[j] == from && first[j - begin] == 1.0)) && d.birth[j] <= next)
+          next = d.birth[j], last = false;
+      for (std::size_t j = i + 1; j < end && !last; j++)
+        if (d.parent[j] == static_cast<std::int64_t>(i - begin) && d.birth[j] == next)
+          first[j - begin] = order + 1;
+      sum.order += order, sum.length += next - from, sum.count++;
+      from = next;
+    }
+  }
+}
+
+void check_entry(const Loaded &d, std::size_t e) {
+  const Expected &want = expected[e];
+  double order = 0.0, length = 0.0, angle = 0.0;
+  const std::size_t begin = d.entry_donor[e], end = d.entry_donor[e + 1];
+  CHECK_TEXT(d.entry[e].c_str(), want.entry);
+  CHECK_TEXT(d.entry_class[e].c_str(), want.cell_class);
+  CHECK_EQUAL(end - begin, want.donors);
+  for (std::size_t donor = begin; donor < end; donor++) {
+    Branches sum;
+    for (std::size_t t = d.donor_tree[donor]; t < d.donor_tree[donor + 1]; t++)
+      if (d.neurite[t] != 2) add_branches(d, t, sum);
+    order += sum.order / sum.count / static_cast<double>(want.donors);
+    length += sum.length / sum.count / static_cast<double>(want.donors);
+    CHECK(d.soma[donor] > 3.0 && d.soma[donor] < 14.0);
+  }
+  for (std::size_t a = d.entry_angle[e]; a < d.entry_angle[e + 1]; a++)
+    angle += d.angle[a] * 57.29577951308232;
+  angle /= static_cast<double>(d.entry_angle[e + 1] - d.entry_angle[e]);
+  CHECK_NEAR(order, want.order, want.order_tolerance);
+  CHECK_NEAR(length, want.length_um, want.length_tolerance_um);
+  CHECK_NEAR(angle, want.angle_degree, want.angle_tolerance_degree);
+  CHECK(e == 9 ? d.straightness[e] == 0.68 : d.straightness[e] > 0.85 && d.straightness[e] < 0.93);
+}
+
+void check_bars(const Loaded &d) {
+  for (std::size_t t = 0; t + 1 < d.tree_bar.rows(); t++) {
+    const std::size_t begin = d.tree_bar[t], end = d.tree_bar[t + 1];
+    CHECK(end > begin && d.parent[begin] == -1 && d.birth[begin] == 0.0);
+    for (std::size_t b = begin; b < end; b++) {
+      CHECK(d.death[b] > d.birth[b] && d.radius[b] >= 0.05 && d.radius[b] < 5.0 &&
+            std::abs(d.taper[b]) < 1.0);
+      // From the soma to a tip in a straight line: the bar's path and the gap to the first sample at most.
+      CHECK(d.distance[b] > 0.0 && d.distance[b] <= d.death[b] + 25.0);
+      if (b == begin) continue;
+      const auto up = begin + static_cast<std::size_t>(d.parent[b]);
+      CHECK(d.parent[b] >= 0 && up < b && d.birth[up] <= d.birth[b] && d.death[up] >= d.death[b]);
+    }
+  }
+}
+
+// In the pia frame the apical tips of every pyramidal cell (oblique branches too) lie above its soma on
+// average, the main one well above.
+void check_frames(const Loaded &d) {
+  for (std::size_t e = 0; e < 4; e++)
+    for (std::size_t donor = d.entry_donor[e]; donor < d.entry_donor[e + 1]; donor++) {
+      double up = 0.0, tips = 0.0, highest = -1.0;
+      for (std::size_t t = d.donor_tree[donor]; t < d.donor_tree[donor + 1]; t++) {
+        if (d.neurite[t] == 4) highest = std::max(highest, d.direction.row(d.tree_bar[t])[2]);
+        for (std::size_t b = d.tree_bar[t]; d.neurite[t] == 4 && b < d.tree_bar[t + 1]; b++)
+          up += d.direction.row(b)[2], tips++;
+      }
+      CHECK_TEXT(d.frame_kind[donor].c_str(), "apical");
+      CHECK(tips > 0.0 && up / tips > 0.15);
+      CHECK(highest > 0.4);
+    }
+}
+
+std::string digest(conceg_doc *doc) {
+  char hex[65] = "";
+  CHECK_EQUAL(conceg_doc_digest(doc, "/dictionary", hex), CONCEG_OK);
+  return hex;
+}
+
+} // namespace
+
+int main() {
+  conceg_ctx *ctx = conceg_ctx_new();
+  conceg_doc *doc = nullptr;
+  if (conceg_doc_open(ctx, CONCEG_DATA "/mouse-visual-cortex.cgx", &doc) != CONCEG_OK) {
+    fprintf(stderr, "%s\n", conceg_ctx_error(ctx));
+    return 1;
+  }
+  try {
+    const Loaded d = load(doc);
+    CHECK_EQUAL(d.entry.size(), sizeof expected / sizeof *expected);
+    for (std::size_t e = 0; e < d.entry.size() && e < sizeof expected / sizeof *expected; e++)
+      check_entry(d, e);
+    check_bars(d);
+    check_frames(d);
+  } catch (const Error &error) {
+    fprintf(stderr, "%s %s\n", error.what(), conceg_ctx_error(ctx));
+    return 1;
+  }
+  CHECK_EQUAL(conceg_doc_validate(doc, nullptr, nullptr, nullptr), CONCEG_OK);
+  CHECK_EQUAL(digest(doc).size(), 64);
+  CHECK_EQUAL(conceg_doc_close(doc), CONCEG_OK);
+  conceg_ctx_free(ctx);
+  return check_done();
+}
