@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "donors.hpp"
+
+#include "conceg/rng.h"
+#include "conceg/swc.h"
+
+namespace conceg::place {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+// The smallest turn that takes +z to `pia`.
+glm::dquat upright(const glm::dvec3 &pia) {
+  if (pia.z < -0.999999999) return {0, 1, 0, 0}; // upside down: any half turn about a level axis
+  const double length = std::sqrt((1.0 + pia.z) * (1.0 + pia.z) + pia.x * pia.x + pia.y * pia.y);
+  return {(1.0 + pia.z) / length, -pia.y / length, pia.x / length, 0.0};
+}
+
+// Uniform on the rotations (Marsaglia's point on the 4-sphere).
+glm::dquat uniform_rotation(conceg_rng &rng) {
+  const auto in_disc = [&](double &a, double &b) {
+    for (;;) {
+      a = 2.0 * conceg_rng_uniform(&rng) - 1.0, b = 2.0 * conceg_rng_uniform(&rng) - 1.0;
+      const double square = a * a + b * b;
+      if (square < 1.0 && square > 0.0) return square;
+    }
+  };
+  double x, y, z, w;
+  const double s1 = in_disc(x, y), s2 = in_disc(z, w), scale = std::sqrt((1.0 - s1) / s2);
+  return {w * scale, x, y, z * scale};
+}
+
+} // namespace
+
+std::size_t draw_donor(const Dictionary &dictionary, std::size_t entry, std::uint64_t cell_id, std::uint64_t seed) {
+  conceg_rng rng = conceg_rng_stream(seed, "place.donor", cell_id);
+  const std::uint64_t first = dictionary.entry.donor_offset[entry], count = dictionary.entry.donor_offset[entry + 1] - first;
+  return first + conceg_rng_below(&rng, count);
+}
+
+glm::dquat draw_rotation(const Dictionary &dictionary, std::size_t donor, std::uint64_t cell_id, const DonorOptions &options) {
+  conceg_rng rng = conceg_rng_stream(options.seed, "place.rotation", cell_id);
+  if (!dictionary.donor.frame_kind.empty() && dictionary.donor.frame_kind[donor] == "unknown") return uniform_rotation(rng);
+  double sine, cosine;
+  conceg_sincos(kPi * conceg_rng_uniform(&rng), &sine, &cosine); // half of the azimuth
+  return upright(options.pia) * glm::dquat(cosine, 0.0, 0.0, sine);
+}
+
+void append_cell(const Dictionary &dictionary, const CellDraw &cell, const DonorOptions &options, Bars &bars) {
+  const DictionaryBars &from = dictionary.bar;
+  const std::uint64_t first_row = bars.tree.size();
+  conceg_rng rng = conceg_rng_stream(options.seed, "place.angle", cell.id);
+  const std::uint64_t first_angle = dictionary.entry.angle_offset[cell.entry];
+  const std::uint64_t angles = dictionary.entry.angle_offset[cell.entry + 1] - first_angle;
+  std::uint32_t tree_number = 0;
+  for (std::size_t tree = dictionary.donor.tree_offset[cell.donor]; tree < dictionary.donor.tree_offset[cell.donor + 1]; tree++) {
+    if (dictionary.tree.neurite[tree] == CONCEG_SWC_AXON && !options.axons) continue;
+    const std::vector<std::size_t> rows = parents_first(dictionary, tree);
+    const std::uint64_t first_of_tree = bars.tree.size() - first_row;
+    std::vector<std::int64_t> row_of(rows.size());
+    for (std::size_t i = 0; i < rows.size(); i++) {
+      const std::size_t bar = dictionary.tree.bar_offset[tree] + rows[i];
+      const bool root = from.parent[bar] == -1;
+      row_of[rows[i]] = static_cast<std::int64_t>(first_of_tree + i);
+      bars.tree.push_back(tree_number);
+      bars.parent.push_back(root ? -1 : row_of[static_cast<std::size_t>(from.parent[bar])]);
+      bars.neurite.push_back(dictionary.tree.neurite[tree]);
+      bars.start.push_back(from.birth[bar]);
+      bars.end.push_back(from.death[bar]);
+      bars.attractor.push_back(cell.soma + cell.rotation * from.tip_direction[bar] * from.tip_distance[bar]);
+      const bool drawn = !root && options.drawn_angles && angles > 0;
+      bars.angle.push_back(drawn ? dictionary.angle[first_angle + conceg_rng_below(&rng, angles)] : from.angle[bar]);
+      bars.radius.push_back(from.radius[bar] * cell.radius_scale);
+      bars.taper.push_back(from.taper[bar] * cell.radius_scale);
+      bars.radius_floor.push_back(options.min_radius_um);
+    }
+    tree_number += !rows.empty();
+  }
+  bars.cell_offset.push_back(bars.tree.size());
+}
+
+} // namespace conceg::place

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The place stage: descriptor, and glue between recipe, document and the algorithm files.
+#include "composition.hpp"
+#include "dictionary_io.hpp"
+#include "donors.hpp"
+#include "recipe_input.hpp"
+#include "somas.hpp"
+
+#include "conceg/stage.h"
+#include "wrap.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace {
+
+using namespace conceg;
+using namespace conceg::place;
+
+// The cells in ascending order of their ids.
+struct Cells {
+  std::vector<std::uint64_t> id;
+  std::vector<std::uint32_t> type, donor;
+  std::vector<glm::dquat> rotation;
+  std::vector<float> radius;
+  std::vector<std::size_t> demand;
+};
+
+// Looks up the entries of the types and keeps only those of the dictionary.
+Dictionary dictionary_for(conceg_ctx *ctx, const RecipeInput &recipe, std::vector<std::size_t> &entry_of_type) {
+  const Dictionary whole = load_dictionary(ctx, recipe.dictionary);
+  std::vector<std::size_t> kept;
+  for (std::size_t t = 0; t < recipe.types.size(); t++) {
+    const std::int64_t found = whole.find(recipe.types[t].entry);
+    if (found < 0) {
+      std::string names;
+      for (const std::string &name : whole.entry.name) names += (names.empty() ? "" : " ") + name;
+      fail(CONCEG_E_MISSING, "types[%zu].entry: dictionary %s has no entry \"%s\"; it has: %s", t, recipe.dictionary.c_str(),
+           recipe.types[t].entry.c_str(), names.c_str());
+    }
+    const auto entry = static_cast<std::size_t>(found);
+    if (whole.entry.donor_offset[entry] == whole.entry.donor_offset[entry + 1])
+      fail(CONCEG_E_RANGE, "types[%zu].entry: expected donors in dictionary entry %s, got none", t, recipe.types[t].entry.c_str());
+    const auto known = std::find(kept.begin(), kept.end(), entry);
+    entry_of_type.push_back(static_cast<std::size_t>(known - kept.begin()));
+    if (known == kept.end()) kept.push_back(entry);
+  }
+  return subset(whole, kept);
+}
+
+// The k-th cell of type t has the id k * types + t: a changed count of one type leaves the other cells as they were.
+Cells draw_cells(const std::vector<Demand> &demands, std::size_t types, const Dictionary &dictionary,
+                 const std::vector<std::size_t> &entry_of_type, const DonorOptions &options) {
+  std::vector<std::pair<std::uint64_t, std::size_t>> rows; // id, demand
+  std::vector<std::uint64_t> made(types);
+  for (std::size_t d = 0; d < demands.size(); d++)
+    for (std::uint64_t i = 0; i < demands[d].count; i++) rows.emplace_back(made[demands[d].type]++ * types + demands[d].type, d);
+  std::sort(rows.begin(), rows.end());
+  Cells cells;
+  for (const auto &[id, d] : rows) {
+    const std::size_t type = demands[d].type, donor = draw_donor(dictionary, entry_of_type[type], id, options.seed);
+    cells.id.push_back(id);
+    cells.type.push_back(static_cast<std::uint32_t>(type));
+    cells.donor.push_back(static_cast<std::uint32_t>(donor));
+    cells.rotation.push_back(draw_rotation(dictionary, donor, id, options));
+    cells.radius.push_back(static_cast<float>(dictionary.donor.soma_radius[donor]));
+    cells.demand.push_back(d);
+  }
+  return cells;
+}
+
+std::vector<SomaRequest> requests_of(const Cells &cells, const std::vector<Demand> &demands, const Profile &profile) {
+  std::vector<SomaRequest> requests;
+  for (std::size_t i = 0; i < cells.id.size(); i++) {
+    const Demand &demand = demands[cells.demand[i]];
+    requests.push_back({cells.id[i], static_cast<double>(cells.radius[i]), demand.z_lo, demand.z_hi, demand.by_profile ? &profile : nullptr});
+  }
+  return requests;
+}
+
+void write_domain(conceg_doc *doc, const RecipeInput &recipe, const std::vector<Demand> &demands) {
+  put(doc, "/domain@lo", recipe.box.lo, 3);
+  put(doc, "/domain@hi", recipe.box.hi, 3);
+  put(doc, "/domain@periodic", recipe.box.periodic, 3);
+  put(doc, "/domain@pia", &recipe.pia.x, 3);
+  put_scalar<double>(doc, "/domain@lattice_step", CONCEG_LATTICE_STEP_UM);
+  if (!recipe.layers.empty()) {
+    const glm::dvec3 size = side(recipe.box);
+    std::vector<std::string> name;
+    std::vector<double> lo, hi, density;
+    for (std::size_t i = 0; i < recipe.layers.size(); i++) {
+      double expected = 0.0; // of the types that take a fraction, and of those with a density in this layer alone
+      for (const Demand &demand : demands)
+        if (demand.layer == static_cast<int>(i)) expected += demand.expected;
+      name.push_back(recipe.layers[i].name);
+      lo.push_back(recipe.layers[i].z_lo);
+      hi.push_back(recipe.layers[i].z_hi);
+      density.push_back(expected / (size.x * size.y * (hi.back() - lo.back())));
+    }
+    put_texts(doc, "/domain/layer_name", name);
+    put(doc, "/domain/layer_lo", lo);
+    put(doc, "/domain/layer_hi", hi);
+    put(doc, "/domain/layer_density", density);
+  }
+  if (!recipe.profile.z.empty()) {
+    put(doc, "/domain/profile_z", recipe.profile.z);
+    put(doc, "/domain/profile_density", recipe.profile.density);
+  }
+}
+
+void write_types(conceg_doc *doc, const RecipeInput &recipe, const std::vector<Demand> &demands, const Cells &cells) {
+  const std::size_t types = recipe.types.size();
+  std::vector<std::string> name, class_name, layer, entry;
+  std::vector<double> fraction(types), radius_scale;
+  std::vector<std::uint64_t> asked(types), placed(types);
+  double total = 0.0;
+  for (const Demand &demand : demands) {
+    fraction[demand.type] += demand.expected;
+    asked[demand.type] += demand.count;
+    total += demand.expected;
+  }
+  for (double &share : fraction) share /= total;
+  for (const std::uint32_t type : cells.type) placed[type]++;
+  for (const TypeInput &type : recipe.types) {
+    name.push_back(type.share.name);
+    class_name.push_back(type.class_name);
+    layer.push_back(type.layer);
+    entry.push_back(type.entry);
+    radius_scale.push_back(type.radius_scale);
+  }
+  put_texts(doc, "/types/name", name);
+  put_texts(doc, "/types/class", class_name);
+  put(doc, "/types/fraction", fraction);
+  put_texts(doc, "/types/layer", layer);
+  put_texts(doc, "/types/entry", entry);
+  put(doc, "/types/radius_scale", radius_scale);
+  put(doc, "/types/asked", asked);
+  put(doc, "/types/placed", placed);
+}
+
+void write_cells(conceg_doc *doc, const Cells &cells, const std::vector<glm::dvec3> &somas) {
+  std::vector<double> rotation;
+  for (const glm::dquat &q : cells.rotation) rotation.insert(rotation.end(), {q.w, q.x, q.y, q.z});
+  put(doc, "/cells/id", cells.id);
+  put(doc, "/cells/type", cells.type);
+  put(doc, "/cells/donor", cells.donor);
+  put(doc, "/cells/rotation", rotation, 4);
+  put3(doc, "/cells/soma", somas);
+  put(doc, "/cells/radius", cells.radius);
+}
+
+void write_bars(conceg_doc *doc, const Bars &bars) {
+  const std::size_t count = bars.tree.size();
+  put(doc, "/bars/cell_offset", bars.cell_offset);
+  put(doc, "/bars/tree", bars.tree);
+  put(doc, "/bars/parent", bars.parent);
+  put(doc, "/bars/neurite", bars.neurite);
+  put(doc, "/bars/asked_start", bars.start);
+  put(doc, "/bars/asked_end", bars.end);
+  put(doc, "/bars/achieved_start", std::vector<double>(count));
+  put(doc, "/bars/achieved_end", std::vector<double>(count));
+  put3(doc, "/bars/attractor", bars.attractor);
+  put(doc, "/bars/angle", bars.angle);
+  put(doc, "/bars/radius", bars.radius);
+  put(doc, "/bars/taper", bars.taper);
+  put(doc, "/bars/radius_floor", bars.radius_floor);
+  put(doc, "/bars/state", std::vector<std::uint8_t>(count));
+  put(doc, "/bars/handed_to", std::vector<std::int64_t>(count, -1));
+}
+
+void place_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
+  const RecipeInput recipe = read_recipe(ctx, doc);
+  std::vector<std::size_t> entry_of_type;
+  const Dictionary dictionary = dictionary_for(ctx, recipe, entry_of_type);
+  std::vector<TypeShare> shares;
+  for (const TypeInput &type : recipe.types) shares.push_back(type.share);
+  const glm::dvec3 size = side(recipe.box);
+  const std::vector<Demand> demands = compose({size.x * size.y, recipe.box.lo[2], recipe.box.hi[2]}, recipe.layers, shares,
+                                              recipe.density, recipe.profile);
+  DonorOptions options;
+  options.pia = recipe.pia;
+  options.axons = conceg_params_bool(params, "axons") != 0;
+  options.drawn_angles = std::strcmp(conceg_params_text(params, "angles"), "drawn") == 0;
+  options.min_radius_um = conceg_params_f64(params, "min_radius_um");
+  options.seed = conceg_ctx_seed(ctx);
+  const Cells cells = draw_cells(demands, recipe.types.size(), dictionary, entry_of_type, options);
+  const std::vector<glm::dvec3> somas = place_somas(recipe.box, requests_of(cells, demands, recipe.profile),
+                                                    conceg_params_f64(params, "soma_gap_um"), options.seed, progress_of(ctx));
+  Bars bars;
+  for (std::size_t i = 0; i < cells.id.size(); i++) {
+    const std::uint32_t type = cells.type[i];
+    append_cell(dictionary, {cells.id[i], entry_of_type[type], cells.donor[i], cells.rotation[i], somas[i], recipe.types[type].radius_scale},
+                options, bars);
+    must(conceg_ctx_progress(ctx, "barcodes", i + 1, cells.id.size()));
+  }
+  write_domain(doc, recipe, demands);
+  write_types(doc, recipe, demands, cells);
+  write_dictionary(doc, dictionary);
+  write_cells(doc, cells, somas);
+  write_bars(doc, bars);
+}
+
+conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
+  return guard(ctx, "place", [&] { place_document(ctx, doc, params); });
+}
+
+const conceg_param kParams[] = {
+    {"soma_gap_um", "um", "smallest distance between the surfaces of two somas, images included", "1", nullptr, CONCEG_PARAM_F64, 0, 0,
+     1000},
+    {"axons", "", "also grow the axon trees that the dictionary has for a donor", "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
+    {"angles", "", "angle at a fork: the donor's own, or drawn from the distribution of its entry as in the paper", "donor",
+     "donor|drawn", CONCEG_PARAM_CHOICE, 0, 0, 0},
+    {"min_radius_um", "um", "smallest target radius of a process", "0.15", nullptr, CONCEG_PARAM_F64, 0, 0.01, 10},
+    {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0},
+};
+const char *const kReads[] = {nullptr};
+const char *const kWrites[] = {"domain", "types", "dictionary", "cells", "bars", nullptr};
+const char *const kDrops[] = {nullptr};
+
+} // namespace
+
+extern "C" {
+extern CONCEG_EXPORT const conceg_stage conceg_stage_place;
+const conceg_stage conceg_stage_place = {
+    CONCEG_STAGE_ABI,
+    sizeof(conceg_stage),
+    "place",
+    "random",
+    "1.0.0",
+    "puts somas into the box by density and composition, and asks for each cell the barcode of a donor",
+    "conceg place -p apps/recipes/cube.yaml > cells.cgx",
+    kParams,
+    kReads,
+    kWrites,
+    kDrops,
+    CONCEG_STAGE_SOURCE | CONCEG_STAGE_RECIPE,
+    nullptr,
+    run,
+};
+}
