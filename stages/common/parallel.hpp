@@ -7,6 +7,7 @@
 #include "guard.hpp"
 
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
@@ -24,7 +25,8 @@ namespace conceg {
 class Workers {
 public:
   explicit Workers(unsigned threads)
-      : threads_(std::max(1u, threads)), arena_(static_cast<int>(threads_)), done_(threads_) {}
+      : threads_(std::max(1u, threads)), limit_(tbb::global_control::max_allowed_parallelism, threads_),
+        arena_(static_cast<int>(threads_)), done_(threads_) {}
   unsigned threads() const { return threads_; }
 
   // body(index, worker) for every index in [0, count), in blocks of `grain` indices.
@@ -57,6 +59,7 @@ public:
 private:
   struct alignas(64) Done { std::uint64_t items = 0; };
   unsigned threads_;
+  tbb::global_control limit_; // lets TBB start more workers than the machine has processors
   tbb::task_arena arena_;
   std::vector<Done> done_;
 };

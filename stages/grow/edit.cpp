@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "edit.hpp"
+
+#include "occupancy.hpp"
+
+#include <algorithm>
+
+namespace conceg::grow {
+
+namespace {
+
+bool stays(const Projection &projection, const Edit &edit, std::size_t index) {
+  const std::size_t place = index - edit.keep;
+  return place < edit.tail.size() && edit.tail[place].segment == projection.chain[index].segment;
+}
+
+// Regions of what an edit takes away, adds and settles.
+void find_writes(const State &state, Edit &edit) {
+  const Projection &projection = state.projections[edit.bar];
+  const Space &space = state.space;
+  for (std::size_t i = std::max<std::size_t>(1, edit.keep); i < projection.chain.size(); i++) {
+    if (stays(projection, edit, i)) continue;
+    const Segment &segment = space.segments[projection.chain[i].segment];
+    // Growing back reads the capsules around every node that the piece could have touched.
+    edit.writes.push_back(region_of(segment, segment.in_field ? 2.0 * space.reach : 0.0));
+  }
+  std::vector<Vertex> line;
+  if (edit.keep > 0) line.push_back(projection.chain[edit.keep - 1]);
+  line.insert(line.end(), edit.tail.begin(), edit.tail.end());
+  const std::uint32_t base = edit.keep > 0 ? edit.keep - 1 : 0;
+  for (std::size_t i = 1; i < line.size(); i++) {
+    const std::uint32_t index = base + static_cast<std::uint32_t>(i);
+    const bool settles = index < edit.settled && index >= projection.settled;
+    if (line[i].segment == none || settles)
+      edit.writes.push_back(region_of(segment_at(state, edit.bar, line, i), settles ? space.reach : 0.0));
+  }
+}
+
+} // namespace
+
+void Edit::clear(std::uint32_t new_bar) {
+  kind = Kind::step, bar = new_bar, keep = 0, settled = 0, finished = false, angle_error = -1.0f;
+  tail.clear(), banned.clear(), writes.clear(), reads.clear(), fresh.clear(), freed.clear();
+}
+
+Segment segment_at(const State &state, std::uint32_t bar, const std::vector<Vertex> &line, std::size_t index) {
+  const Vertex &from = line[index - 1], &to = line[index];
+  return make_segment(state.input.box, from.position, to.position, to.radius, state.projections[bar].cell, bar,
+                      0.5 * (from.path + to.path));
+}
+
+void edit_from_line(const State &state, const std::vector<Vertex> &line, std::uint32_t offset, std::uint32_t settled, Edit &edit) {
+  edit.keep = state.projections[edit.bar].settled;
+  edit.settled = settled;
+  edit.tail.assign(line.begin() + (edit.keep - offset), line.end());
+  find_writes(state, edit);
+}
+
+void edit_cut(const State &state, std::uint32_t keep, Edit &edit) {
+  edit.keep = keep;
+  edit.settled = std::min(keep, state.projections[edit.bar].settled);
+  find_writes(state, edit);
+}
+
+void number_segments(Space &space, Edit &edit) {
+  for (std::size_t i = 0; i < edit.tail.size(); i++) {
+    if (edit.tail[i].segment != none || edit.keep + i == 0) continue;
+    if (space.free_segments.empty()) {
+      edit.fresh.push_back(static_cast<std::uint32_t>(space.segments.size()));
+      space.segments.emplace_back();
+    } else {
+      edit.fresh.push_back(space.free_segments.back());
+      space.free_segments.pop_back();
+    }
+  }
+}
+
+void commit(State &state, Edit &edit) {
+  Projection &projection = state.projections[edit.bar];
+  Space &space = state.space;
+  std::vector<Segment> removed;
+  for (std::size_t i = std::max<std::size_t>(1, edit.keep); i < projection.chain.size(); i++) {
+    if (stays(projection, edit, i)) continue;
+    const std::uint32_t id = projection.chain[i].segment;
+    if (space.segments[id].in_field) removed.push_back(space.segments[id]);
+    remove_capsule(space, id);
+    edit.freed.push_back(id);
+  }
+  if (!removed.empty()) restore_field(state.input, space, removed);
+  const std::uint32_t settled_before = projection.settled;
+  projection.chain.resize(edit.keep);
+  std::size_t next = 0;
+  for (const Vertex &vertex : edit.tail) {
+    projection.chain.push_back(vertex);
+    const std::size_t index = projection.chain.size() - 1;
+    if (vertex.segment != none || index == 0) continue;
+    const std::uint32_t id = edit.fresh[next++];
+    projection.chain.back().segment = id;
+    space.segments[id] = segment_at(state, edit.bar, projection.chain, index);
+    insert_capsule(space, id);
+  }
+  projection.settled = edit.settled;
+  for (std::uint32_t i = std::max(1u, std::min(settled_before, edit.keep)); i < projection.settled; i++) {
+    const std::uint32_t id = projection.chain[i].segment;
+    space.segments[id].in_field = 1;
+    lower_field(state.input, space, id);
+  }
+}
+
+void unmark_tail(State &state, const Edit &edit) {
+  const Projection &projection = state.projections[edit.bar];
+  for (std::size_t i = std::max<std::size_t>(1, edit.keep); i < projection.chain.size(); i++) {
+    std::uint32_t &mark = state.space.mark[projection.chain[i].node];
+    if (mark == projection.cell) mark = none;
+  }
+}
+
+void mark_tail(State &state, const Edit &edit) {
+  const Projection &projection = state.projections[edit.bar];
+  for (std::size_t i = std::max<std::size_t>(1, edit.keep); i < projection.chain.size(); i++)
+    state.space.mark[projection.chain[i].node] = projection.cell;
+}
+
+void return_segments(Space &space, Edit &edit) {
+  space.free_segments.insert(space.free_segments.end(), edit.freed.begin(), edit.freed.end());
+  edit.freed.clear();
+}
+
+} // namespace conceg::grow

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Network navigation: the paper's cost l = l_t + f l_r over the candidate nodes of a tip.
+#pragma once
+
+#include "state.hpp"
+
+namespace conceg::grow {
+
+// l_t, eq. (1): 1/2 [|s-c| / (1 + |s-c|)] (1 - cos(c-s, t-s)); the bracket only with length_factor.
+double attractor_cost(const glm::dvec3 &s, const glm::dvec3 &c, const glm::dvec3 &t, bool length_factor);
+// l_r, eq. (2): max(0, (r_0 - r_c) / r_0).
+double radius_cost(double r_0, double r_c);
+
+// Where a projection stands: a place, the node it belongs to, and that node's image.
+struct Tip {
+  glm::dvec3 position;
+  std::uint32_t node;
+  std::int16_t lift[3];
+};
+
+struct Candidate {
+  double cost;
+  glm::dvec3 position; // unwrapped
+  std::uint32_t node;
+  std::int16_t lift[3];
+  float allowed; // r_c; +inf beyond the field's reach
+};
+
+// Unwrapped place of a node's image.
+glm::dvec3 node_place(const Input &input, std::uint32_t node, const std::int16_t lift[3]);
+
+// Viable candidates of a tip, cheapest first (ties: lower node): edges of the network that are not longer than the cap,
+// r_c >= r_min, not used by the cell itself, not banned, not inside the cell's own soma.
+void find_candidates(const State &state, const Projection &projection, const Tip &tip, double r_0,
+                     const glm::dvec3 &target, std::vector<Candidate> &candidates);
+
+// Attractor as seen from a tip: pushed on along the line from the soma while it is nearer than 5 um, so that no
+// projection circles its target.
+glm::dvec3 push_attractor(const glm::dvec3 &attractor, const glm::dvec3 &soma, const glm::dvec3 &tip);
+
+// Target radius of a bar at a path length, and the radius that growth commits at most.
+double target_radius(const State &state, std::uint32_t bar, double path);
+double wanted_radius(const State &state, std::uint32_t bar, double path);
+// For a whole segment: the larger of its ends.
+double wanted_radius(const State &state, std::uint32_t bar, double path_from, double path_to);
+
+} // namespace conceg::grow

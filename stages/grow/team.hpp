@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A team of threads for many short rounds. Work is split statically, so that every worker does its share whatever the machine
+// is doing; a waiting worker spins briefly, then yields, then sleeps.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace conceg::grow {
+
+class Team {
+public:
+  explicit Team(unsigned size) : size_(size > 0 ? size : 1), errors_(size_) {
+    for (unsigned worker = 1; worker < size_; worker++) threads_.emplace_back([this, worker] { serve(worker); });
+  }
+  ~Team() {
+    start([](unsigned) {}, true);
+    for (std::thread &thread : threads_) thread.join();
+  }
+  Team(const Team &) = delete;
+  Team &operator=(const Team &) = delete;
+  unsigned size() const { return size_; }
+
+  // body(index, worker) for every index below count; worker w does w, w + size, w + 2 size, ...
+  template <class Body> void loop(std::size_t count, const Body &body) {
+    const auto share = [&](unsigned worker) {
+      for (std::size_t i = worker; i < count; i += size_) body(i, worker);
+    };
+    if (size_ == 1 || count < 2) {
+      for (std::size_t i = 0; i < count; i++) body(i, 0u);
+      return;
+    }
+    start(share, false);
+    run(0);
+    await([this] { return busy_.load(std::memory_order_acquire) == 0; }, finished_);
+    for (std::exception_ptr &error : errors_)
+      if (error) std::rethrow_exception(std::exchange(error, nullptr));
+  }
+
+private:
+  void start(std::function<void(unsigned)> job, bool stop) {
+    std::lock_guard<std::mutex> lock(mutex_);
+    job_ = std::move(job);
+    stop_ = stop;
+    busy_.store(size_ - 1, std::memory_order_relaxed);
+    round_.fetch_add(1, std::memory_order_release);
+    started_.notify_all();
+  }
+  void run(unsigned worker) {
+    try {
+      job_(worker);
+    } catch (...) {
+      errors_[worker] = std::current_exception();
+    }
+  }
+  void serve(unsigned worker) {
+    std::uint64_t seen = 0;
+    for (;;) {
+      await([&] { return round_.load(std::memory_order_acquire) != seen; }, started_);
+      seen++;
+      if (stop_) return;
+      run(worker);
+      if (busy_.fetch_sub(1, std::memory_order_acq_rel) == 1) {
+        std::lock_guard<std::mutex> lock(mutex_);
+        finished_.notify_one();
+      }
+    }
+  }
+  template <class Ready> void await(const Ready &ready, std::condition_variable &signal) {
+    for (int spin = 0; spin < 2000; spin++) {
+      if (ready()) return;
+#if defined(__x86_64__) || defined(__i386__)
+      __builtin_ia32_pause();
+#endif
+    }
+    for (int turn = 0; turn < 20; turn++) {
+      if (ready()) return;
+      std::this_thread::yield();
+    }
+    std::unique_lock<std::mutex> lock(mutex_);
+    signal.wait(lock, ready);
+  }
+
+  unsigned size_;
+  std::vector<std::thread> threads_;
+  std::vector<std::exception_ptr> errors_;
+  std::function<void(unsigned)> job_;
+  std::mutex mutex_;
+  std::condition_variable started_, finished_;
+  std::atomic<std::uint64_t> round_{0};
+  std::atomic<unsigned> busy_{0};
+  bool stop_ = false;
+};
+
+} // namespace conceg::grow
