@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What export takes from the document, cell by cell, checked.
+#pragma once
+
+#include "cells.hpp"
+#include "tile.hpp"
+#include "tree.hpp"
+#include "vtk.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace conceg::exporting {
+
+struct Cell : CellInfo {
+  std::string layer;
+};
+
+// A cell's surfaces joined into one, with the columns of its faces.
+struct CellSurface {
+  Surface surface;
+  std::vector<std::uint8_t> compartment;
+  std::vector<std::uint32_t> component, section;
+};
+
+class Source {
+public:
+  explicit Source(conceg_doc *doc);
+  const conceg_box &box() const { return box_; }
+  std::uint64_t seed() const { return seed_; }
+  bool has_skeleton() const { return has_skeleton_; }
+  bool has_meshes() const { return !surfaces_of_.empty(); }
+  bool has_volumes() const;
+  std::vector<Cell> select(const std::string &cells) const;
+  Tree tree(std::uint64_t cell) const;
+  // The cell's closed surfaces; with `wrapped` all their triangle images that meet the box.
+  CellSurface surface(std::uint64_t cell, bool wrapped) const;
+  // /volumes as a full grid; its size in bytes before that.
+  double volume_bytes() const;
+  Volume volume() const;
+
+private:
+  conceg_doc *doc_;
+  std::shared_ptr<conceg_substrate> substrate_;
+  conceg_box box_;
+  std::uint64_t seed_ = 0;
+  bool has_skeleton_ = false;
+  std::vector<std::string> layers_;                     // per type
+  std::vector<std::vector<std::uint64_t>> surfaces_of_; // per cell; empty without meshes
+};
+
+} // namespace conceg::exporting

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Simplified meshes: light, near the base mesh, sound and apart; the repair works; faces, volumes and memory.
+#include "check.h"
+#include "distance.hpp"
+#include "faces.hpp"
+#include "finish.hpp"
+#include "scenes.hpp"
+#include "simplify.hpp"
+#include "volume.hpp"
+
+#include <cstring>
+#include <sys/resource.h>
+
+using namespace scenes;
+
+namespace {
+
+std::size_t faces(const std::vector<Surface> &surfaces) {
+  std::size_t sum = 0;
+  for (const Surface &surface : surfaces) sum += surface.face.size();
+  return sum;
+}
+
+// Largest distance from the vertices and face centres of one surface to another surface.
+double farthest(const Surface &from, const Surface &to) {
+  double worst = 0;
+  std::vector<glm::dvec3> samples;
+  for (std::uint32_t v = 0; v < from.vertex.size(); v++) samples.push_back(from.at(v));
+  for (const glm::uvec3 &f : from.face) samples.push_back((from.at(f.x) + from.at(f.y) + from.at(f.z)) / 3.0);
+  const std::size_t stride = 1 + samples.size() / 400;
+  for (std::size_t i = 0; i < samples.size(); i += stride) {
+    double least = 1e9;
+    for (const glm::uvec3 &f : to.face) {
+      const Corners t = {to.at(f.x), to.at(f.y), to.at(f.z)};
+      least = std::min(least, point_triangle_distance2(samples[i], t));
+    }
+    worst = std::max(worst, std::sqrt(least));
+  }
+  return worst;
+}
+
+void simplified_stays_near() {
+  Tissue tissue = empty_box(16);
+  add_cell(tissue, {6, 8, 8}, 2.5);
+  std::int64_t at = add_point(tissue, {8.5, 8, 8}, 0.6, -1);
+  at = add_point(tissue, {11, 9, 8.5}, 0.4, at);
+  add_point(tissue, {13, 10, 9.5}, 0.35, at);
+  add_point(tissue, {12, 7, 8}, 0.3, at);
+  SceneOptions options;
+  options.h = 0.2;
+  const Meshed mesh = mesh_of(tissue, options);
+  for (const double tolerance : {0.01, 0.02, 0.04, 0.08}) {
+    const Surface light = simplify(mesh.surfaces[0], tolerance, {}, {});
+    std::printf("tolerance %.3f: %zu -> %zu faces, there %.4f, back %.4f um\n", tolerance, mesh.surfaces[0].face.size(), light.face.size(),
+                farthest(light, mesh.surfaces[0]), farthest(mesh.surfaces[0], light));
+    CHECK(farthest(light, mesh.surfaces[0]) <= tolerance);
+    CHECK(farthest(mesh.surfaces[0], light) <= tolerance);
+    CHECK(light.face.size() < mesh.surfaces[0].face.size() / 2);
+    CHECK_NEAR(volume_of(light), volume_of(mesh.surfaces[0]), (0.001 + 0.15 * tolerance) * volume_of(mesh.surfaces[0]));
+    CHECK_EQUAL(euler_characteristic(light), 2);
+  }
+  const std::vector<std::uint8_t> locked(mesh.surfaces[0].vertex.size(), 1);
+  CHECK_EQUAL(simplify(mesh.surfaces[0], 0.02, locked, {}).face.size(), mesh.surfaces[0].face.size());
+}
+
+Finished finish_forest(const Tissue &tissue, double tolerance, unsigned threads, std::size_t *base_faces = nullptr) {
+  SceneOptions options;
+  options.h = 0.25;
+  const Meshed mesh = mesh_of(tissue, options, threads, false);
+  if (base_faces) *base_faces = faces(mesh.surfaces);
+  conceg::Workers workers(threads);
+  FinishOptions finish_options;
+  finish_options.tolerance = tolerance;
+  return finish(mesh.surfaces, tissue.box, finish_options, workers, {});
+}
+
+void forest_is_light_and_sound() {
+  const Tissue tissue = forest(20, 2, 1200, 3);
+  std::size_t base = 0;
+  const Finished one = finish_forest(tissue, 0.02, 1, &base), three = finish_forest(tissue, 0.02, 3);
+  CHECK_EQUAL(one.check.errors, 0);
+  CHECK(faces(one.surfaces) < base / 3);
+  for (const double gap : one.check.min_gap) CHECK(gap >= 0.02);
+  CHECK_EQUAL(one.surfaces.size(), three.surfaces.size());
+  for (std::size_t i = 0; i < one.surfaces.size(); i++) {
+    const Surface &a = one.surfaces[i], &b = three.surfaces[i];
+    CHECK(a.vertex.size() == b.vertex.size() && a.face.size() == b.face.size() &&
+          std::memcmp(a.vertex.data(), b.vertex.data(), a.vertex.size() * sizeof a.vertex[0]) == 0 &&
+          std::memcmp(a.face.data(), b.face.data(), a.face.size() * sizeof a.face[0]) == 0);
+  }
+  // Far too much tolerance: surfaces cross after simplification, and the repair brings them apart again.
+  const Finished rough = finish_forest(tissue, 0.2, 2);
+  CHECK(rough.repaired_pairs > 0 && rough.rounds > 0);
+  CHECK_EQUAL(rough.check.errors, 0);
+  for (const double gap : rough.check.min_gap) CHECK(gap >= 0.02);
+}
+
+void faces_know_where_they_belong() {
+  Tissue tissue = empty_box(20);
+  add_cell(tissue, {6, 10, 10}, 2);
+  std::int64_t at = add_point(tissue, {8, 10, 10}, 0.6, -1, 4);
+  at = add_point(tissue, {12, 10, 10}, 0.6, at, 4);
+  add_point(tissue, {15, 13, 10}, 0.5, at, 4);
+  add_point(tissue, {15, 7, 10}, 0.5, at, 3);
+  SceneOptions options;
+  options.h = 0.25;
+  const Meshed mesh = mesh_of(tissue, options);
+  conceg::Workers workers(2);
+  const Surface &surface = mesh.surfaces[0];
+  const FaceLabels labels = label_faces(mesh.scene, mesh.index, surface, workers);
+  for (std::size_t f = 0; f < surface.face.size(); f++) {
+    const glm::dvec3 p = (surface.at(surface.face[f].x) + surface.at(surface.face[f].y) + surface.at(surface.face[f].z)) / 3.0;
+    const std::uint8_t kind = labels.compartment[f];
+    if (p.x < 7) CHECK(kind == kSomaKind && labels.section[f] == kNoSection);
+    if (p.x > 9.5 && p.x < 11.5) CHECK(kind == 4 && labels.section[f] == 0);
+    if (p.x > 13 && p.y > 10) CHECK(kind == 4 && labels.section[f] == 1);
+    if (p.x > 13 && p.y < 10) CHECK(kind == 3 && labels.section[f] == 2);
+  }
+}
+
+void volumes_agree_with_meshes() {
+  const Tissue tissue = forest(20, 2, 600, 3);
+  SceneOptions options;
+  options.h = 0.25;
+  conceg::Workers workers(2), one(1);
+  const Volume volume = make_volume(tissue, options, workers, {});
+  CHECK_EQUAL(volume.shape.x, 80);
+  CHECK_NEAR(volume.origin.x, 0.125, 1e-12);
+  CHECK_EQUAL(volume.label.size(), volume.leaf_origin.size() * kLeafVoxels);
+  std::size_t inside = 0;
+  for (std::size_t i = 0; i < volume.label.size(); i++) {
+    inside += volume.label[i] != 0;
+    if (!((volume.label[i] != 0) == (volume.distance[i] < 0))) CHECK(false);
+  }
+  double meshes = 0;
+  for (const Surface &surface : mesh_of(tissue, options).surfaces) meshes += volume_of(surface);
+  CHECK_NEAR(double(inside) / 512000, meshes / 8000, 0.02);
+  CHECK(make_volume(tissue, options, one, {}).distance == volume.distance);
+  if (vdb_available()) {
+    write_vdb(volume, "test_mesh_finish.vdb");
+    std::FILE *file = std::fopen("test_mesh_finish.vdb", "rb");
+    CHECK(file != nullptr);
+    unsigned char head[3] = {};
+    if (file) {
+      CHECK(std::fread(head, 1, 3, file) == 3 && !std::memcmp(head, " BD", 3));
+      std::fclose(file);
+    }
+    std::remove("test_mesh_finish.vdb");
+    bool refused = false;
+    try {
+      write_vdb(volume, "no/such/folder/x.vdb");
+    } catch (const conceg::Error &error) {
+      refused = error.status() == CONCEG_E_IO;
+    }
+    CHECK(refused);
+  }
+}
+
+void memory_stays_bounded() {
+  rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  CHECK(usage.ru_maxrss < 500 * 1024);
+}
+
+} // namespace
+
+int main() {
+  simplified_stays_near();
+  forest_is_light_and_sound();
+  faces_know_where_they_belong();
+  volumes_agree_with_meshes();
+  memory_stays_bounded();
+  return check_done();
+}
