@@ -8,15 +8,24 @@
 
 double value_number(const conceg_array *array, uint64_t index) {
   switch (array->dtype) {
-  case CONCEG_U8: return ((const uint8_t *)array->data)[index];
-  case CONCEG_I8: return ((const int8_t *)array->data)[index];
-  case CONCEG_U32: return ((const uint32_t *)array->data)[index];
-  case CONCEG_I32: return ((const int32_t *)array->data)[index];
-  case CONCEG_U64: return (double)((const uint64_t *)array->data)[index];
-  case CONCEG_I64: return (double)((const int64_t *)array->data)[index];
-  case CONCEG_F32: return ((const float *)array->data)[index];
-  case CONCEG_F64: return ((const double *)array->data)[index];
-  default: return 0;
+  case CONCEG_U8:
+    return ((const uint8_t *)array->data)[index];
+  case CONCEG_I8:
+    return ((const int8_t *)array->data)[index];
+  case CONCEG_U32:
+    return ((const uint32_t *)array->data)[index];
+  case CONCEG_I32:
+    return ((const int32_t *)array->data)[index];
+  case CONCEG_U64:
+    return (double)((const uint64_t *)array->data)[index];
+  case CONCEG_I64:
+    return (double)((const int64_t *)array->data)[index];
+  case CONCEG_F32:
+    return ((const float *)array->data)[index];
+  case CONCEG_F64:
+    return ((const double *)array->data)[index];
+  default:
+    return 0;
   }
 }
 
@@ -37,11 +46,16 @@ static void shortest_f32(float value, char *out) {
 }
 
 void value_text(const conceg_array *array, uint64_t index, char out[VALUE_TEXT]) {
-  if (array->dtype == CONCEG_F64) shortest_f64(((const double *)array->data)[index], out);
-  else if (array->dtype == CONCEG_F32) shortest_f32(((const float *)array->data)[index], out);
-  else if (array->dtype == CONCEG_U64) snprintf(out, VALUE_TEXT, "%" PRIu64, ((const uint64_t *)array->data)[index]);
-  else if (array->dtype == CONCEG_I64) snprintf(out, VALUE_TEXT, "%" PRId64, ((const int64_t *)array->data)[index]);
-  else snprintf(out, VALUE_TEXT, "%.0f", value_number(array, index));
+  if (array->dtype == CONCEG_F64)
+    shortest_f64(((const double *)array->data)[index], out);
+  else if (array->dtype == CONCEG_F32)
+    shortest_f32(((const float *)array->data)[index], out);
+  else if (array->dtype == CONCEG_U64)
+    snprintf(out, VALUE_TEXT, "%" PRIu64, ((const uint64_t *)array->data)[index]);
+  else if (array->dtype == CONCEG_I64)
+    snprintf(out, VALUE_TEXT, "%" PRId64, ((const int64_t *)array->data)[index]);
+  else
+    snprintf(out, VALUE_TEXT, "%.0f", value_number(array, index));
 }
 
 const char *value_string(const conceg_array *array, uint64_t index) {
@@ -61,7 +75,8 @@ uint64_t array_bytes(const conceg_array *array) {
   const uint64_t count = conceg_array_count(array);
   uint64_t bytes = 0, i;
   if (array->dtype != CONCEG_TEXT) return count * conceg_dtype_bytes(array->dtype);
-  for (i = 0; i < count; i++) bytes += strlen(value_string(array, i)) + 1;
+  for (i = 0; i < count; i++)
+    bytes += strlen(value_string(array, i)) + 1;
   return bytes;
 }
 
@@ -95,8 +110,10 @@ void list_arrays(struct cli *cli, conceg_doc *doc, const char *group, struct wor
   for (i = 0; i < count; i++) {
     const char *child = cli_keep(cli, "%s", conceg_doc_child(doc, group, i));
     const size_t length = strlen(child);
-    if (length && child[length - 1] == '/') list_arrays(cli, doc, child, out);
-    else words_add(out, child);
+    if (length && child[length - 1] == '/')
+      list_arrays(cli, doc, child, out);
+    else
+      words_add(out, child);
   }
 }
 
@@ -104,14 +121,16 @@ void bytes_text(uint64_t bytes, char *out, size_t size) {
   static const char *const units[] = {"B", "kB", "MB", "GB", "TB"};
   double value = (double)bytes;
   int unit = 0;
-  while (value >= 1000 && unit < 4) value /= 1000, unit++;
+  while (value >= 1000 && unit < 4)
+    value /= 1000, unit++;
   snprintf(out, size, unit ? "%.1f %s" : "%.0f %s", value, units[unit]);
 }
 
 /* Characters, not bytes, so that names with accents line up. */
 static uint32_t width_of(const char *text) {
   uint32_t width = 0;
-  for (; *text; text++) width += ((unsigned char)*text & 0xc0) != 0x80;
+  for (; *text; text++)
+    width += ((unsigned char)*text & 0xc0) != 0x80;
   return width;
 }
 
@@ -135,13 +154,19 @@ void table_print(const struct table *table, int indent) {
     int right;
     if (column >= columns) continue;
     /* A heading stands over its column as the first value does. */
-    right = column > 0 && is_number(i < table->columns && i + table->columns < table->cells.count ? table->cells.word[i + table->columns] : cell);
+    right = column > 0 && is_number(i < table->columns && i + table->columns < table->cells.count
+                                        ? table->cells.word[i + table->columns]
+                                        : cell);
     if (column == 0) printf("%*s", indent, "");
     pad = width[column] - width_of(cell);
     printf("%s%*s%s", column ? "  " : "", right ? (int)pad : 0, "", cell);
-    if (column + 1 == columns) putchar('\n');
-    else if (!right) printf("%*s", (int)pad, "");
+    if (column + 1 == columns)
+      putchar('\n');
+    else if (!right)
+      printf("%*s", (int)pad, "");
   }
 }
 
-void table_free(struct table *table) { words_free(&table->cells); }
+void table_free(struct table *table) {
+  words_free(&table->cells);
+}

@@ -31,15 +31,21 @@ void words_free(struct words *words) {
 /* The options that every program has. `cli` may be a scratch one when only names and help are wanted. */
 static void common_options(struct cli *cli, struct cli_option out[COMMON_COUNT]) {
   const struct cli_option rows[] = {
-      {"recipe", 'p', "RECIPE", "the recipe; for a later stage only its own section and seed", NULL, &cli->recipe, NULL},
+      {"recipe", 'p', "RECIPE", "the recipe; for a later stage only its own section and seed", NULL,
+       &cli->recipe, NULL},
       {"set", 0, "stage.key=VALUE", "a value of the recipe; may be repeated", NULL, NULL, &cli->sets},
       {"seed", 0, "N", "the seed (default: the recipe's, else 1)", NULL, &cli->seed, NULL},
-      {"threads", 0, "N", "worker threads (default 0 = all processors); the result never depends on it", NULL, &cli->threads, NULL},
-      {"memory", 0, "SIZE", "array data to keep in memory, such as 4G (default: half of the machine)", NULL, &cli->memory, NULL},
-      {"output", 'o', "FILE", "write the document to FILE instead of standard output", NULL, &cli->output, NULL},
-      {"impl", 0, "NAME", "which implementation of the stage (conceg stages lists them)", NULL, &cli->impl, NULL},
+      {"threads", 0, "N", "worker threads (default 0 = all processors); the result never depends on it", NULL,
+       &cli->threads, NULL},
+      {"memory", 0, "SIZE", "array data to keep in memory, such as 4G (default: half of the machine)", NULL,
+       &cli->memory, NULL},
+      {"output", 'o', "FILE", "write the document to FILE instead of standard output", NULL, &cli->output,
+       NULL},
+      {"impl", 0, "NAME", "which implementation of the stage (conceg stages lists them)", NULL, &cli->impl,
+       NULL},
       {"allow-exec", 0, NULL, "let impl: exec:PROG of a recipe run a program", &cli->allow_exec, NULL, NULL},
-      {"progress", 0, "auto|json|none", "how progress is shown on standard error", NULL, &cli->progress_word, NULL},
+      {"progress", 0, "auto|json|none", "how progress is shown on standard error", NULL, &cli->progress_word,
+       NULL},
       {"json", 0, NULL, "print results as JSON", &cli->json, NULL, NULL},
       {"quiet", 'q', NULL, "errors only", &cli->quiet, NULL, NULL},
       {"verbose", 'v', NULL, "notes, counters per worker, times; twice: more", &cli->verbose, NULL, NULL},
@@ -49,9 +55,12 @@ static void common_options(struct cli *cli, struct cli_option out[COMMON_COUNT])
   memcpy(out, rows, sizeof rows);
 }
 
-static const struct cli_option *find_option(const struct cli_option *options, const char *name, size_t length, char letter) {
+static const struct cli_option *find_option(const struct cli_option *options, const char *name, size_t length,
+                                            char letter) {
   for (; options && options->name; options++)
-    if (letter ? options->letter == letter : strlen(options->name) == length && !memcmp(options->name, name, length)) return options;
+    if (letter ? options->letter == letter
+               : strlen(options->name) == length && !memcmp(options->name, name, length))
+      return options;
   return NULL;
 }
 
@@ -75,7 +84,9 @@ static const conceg_param *find_param(const conceg_param *row, const char *name,
   return NULL;
 }
 
-static int is_literal(const conceg_param *row) { return row && (row->type == CONCEG_PARAM_TEXT || row->type == CONCEG_PARAM_FILE); }
+static int is_literal(const conceg_param *row) {
+  return row && (row->type == CONCEG_PARAM_TEXT || row->type == CONCEG_PARAM_FILE);
+}
 
 /* A text as a single-quoted YAML scalar, so that a path such as "a: b" stays a text. */
 static const char *quoted_value(struct cli *cli, const char *text) {
@@ -121,7 +132,8 @@ static int apply_param(struct cli *cli, const char *word, const char *equals, co
 void cli_quote_params(struct cli *cli, const conceg_param *params) {
   uint32_t i, j;
   for (i = 0; i < cli->unquoted.count; i++) {
-    const char *set = cli->unquoted.word[i], *name = set + strlen(cli->program->kind) + 1, *equals = strchr(name, '=');
+    const char *set = cli->unquoted.word[i], *name = set + strlen(cli->program->kind) + 1,
+               *equals = strchr(name, '=');
     if (!is_literal(find_param(params, name, (size_t)(equals - name)))) continue;
     for (j = 0; j < cli->sets.count; j++)
       if (cli->sets.word[j] == set)
@@ -138,7 +150,8 @@ static int parse_long(struct cli *cli, const struct cli_option *common, int argc
   if (!option) option = find_option(common, word, length, 0);
   if (!option && cli->program->kind) return apply_param(cli, word, equals, next);
   if (!option) {
-    cli_fail(cli, EXIT_USAGE, "unknown option --%.*s (%s --help lists them)", (int)length, word, cli->program->name);
+    cli_fail(cli, EXIT_USAGE, "unknown option --%.*s (%s --help lists them)", (int)length, word,
+             cli->program->name);
     return 0;
   }
   if (option->flag || equals) return apply(cli, option, equals ? equals + 1 : NULL) == EXIT_OK;
@@ -173,23 +186,28 @@ int cli_parse(struct cli *cli, int argc, char **argv) {
   words_add(&cli->words, NULL), cli->words.count = 0;
   for (i = 1; i < argc; i += used) {
     used = 1;
-    if (!only_words && !strcmp(argv[i], "--")) only_words = 1;
-    else if (only_words || argv[i][0] != '-' || !argv[i][1]) words_add(&cli->words, argv[i]);
-    else if (argv[i][1] == '-') used = parse_long(cli, common, argc, argv, i);
-    else used = parse_short(cli, common, argc, argv, i);
+    if (!only_words && !strcmp(argv[i], "--"))
+      only_words = 1;
+    else if (only_words || argv[i][0] != '-' || !argv[i][1])
+      words_add(&cli->words, argv[i]);
+    else if (argv[i][1] == '-')
+      used = parse_long(cli, common, argc, argv, i);
+    else
+      used = parse_short(cli, common, argc, argv, i);
     if (!used) return EXIT_USAGE;
   }
   if (cli->help || cli->version || cli->words.count <= cli->program->most_words) return EXIT_OK;
-  return cli_fail(cli, EXIT_USAGE, "unexpected word %s (usage: %s %s)", cli->words.word[cli->program->most_words], cli->program->name,
-                  cli->program->usage);
+  return cli_fail(cli, EXIT_USAGE, "unexpected word %s (usage: %s %s)",
+                  cli->words.word[cli->program->most_words], cli->program->name, cli->program->usage);
 }
 
 /* ---- Help ---- */
 
 static void print_option(const struct cli_option *option) {
   char left[64];
-  snprintf(left, sizeof left, "%c%c%s--%s%s%s", option->letter ? '-' : ' ', option->letter ? option->letter : ' ', option->letter ? ", " : "  ",
-           option->name, option->value ? " " : "", option->value ? option->value : "");
+  snprintf(left, sizeof left, "%c%c%s--%s%s%s", option->letter ? '-' : ' ',
+           option->letter ? option->letter : ' ', option->letter ? ", " : "  ", option->name,
+           option->value ? " " : "", option->value ? option->value : "");
   printf("  %-30s %s\n", left, option->help);
 }
 
@@ -199,10 +217,13 @@ void cli_print_params(FILE *out, const conceg_param *params) {
     char left[96], range[96] = "";
     const int has_unit = row->unit && *row->unit && strcmp(row->unit, "1") != 0;
     snprintf(left, sizeof left, "--%s", row->name);
-    if (row->type == CONCEG_PARAM_F64 || row->type == CONCEG_PARAM_I64) snprintf(range, sizeof range, ", %g to %g", row->lo, row->hi);
-    else if (row->type == CONCEG_PARAM_BOOL) snprintf(range, sizeof range, ", true or false");
-    fprintf(out, "  %-30s %s [%s%s%s%s%s%s%s]\n", left, row->help ? row->help : "", *row->fallback ? row->fallback : "none", has_unit ? " " : "",
-            has_unit ? row->unit : "", range, row->choices ? ", one of " : "", row->choices ? row->choices : "",
+    if (row->type == CONCEG_PARAM_F64 || row->type == CONCEG_PARAM_I64)
+      snprintf(range, sizeof range, ", %g to %g", row->lo, row->hi);
+    else if (row->type == CONCEG_PARAM_BOOL)
+      snprintf(range, sizeof range, ", true or false");
+    fprintf(out, "  %-30s %s [%s%s%s%s%s%s%s]\n", left, row->help ? row->help : "",
+            *row->fallback ? row->fallback : "none", has_unit ? " " : "", has_unit ? row->unit : "", range,
+            row->choices ? ", one of " : "", row->choices ? row->choices : "",
             row->type == CONCEG_PARAM_FILE ? ", a path" : "");
   }
 }
@@ -216,13 +237,15 @@ void cli_print_help(const struct cli_program *program) {
   printf("%s: %s\n\nusage: %s %s\n", program->name, program->summary, program->name, program->usage);
   if (program->options && program->options->name) {
     puts("\noptions of this program:");
-    for (option = program->options; option->name; option++) print_option(option);
+    for (option = program->options; option->name; option++)
+      print_option(option);
   }
   if (program->params && program->params->name) {
     printf("\nparameters [default]; in a recipe they stand under %s:\n", program->kind);
     cli_print_params(stdout, program->params);
   }
   puts("\noptions of every program:");
-  for (option = common; option->name; option++) print_option(option);
+  for (option = common; option->name; option++)
+    print_option(option);
   if (program->example) printf("\nexample:\n  %s\n", program->example);
 }

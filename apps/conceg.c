@@ -15,34 +15,40 @@ struct word {
   int (*run)(int argc, char **argv);
 };
 
-static const struct word tools[] = {{"run", "a whole recipe in one process", tool_run},
-                                    {"info", "what a document holds", tool_info},
-                                    {"validate", "check a document against every rule of the format", tool_validate},
-                                    {"dump", "a document as text, in canonical order", tool_dump},
-                                    {"diff", "compare two documents", tool_diff},
-                                    {"strip", "a document without some of its groups", tool_strip},
-                                    {"stages", "which stages there are and which file answers", tool_stages},
-                                    {"params", "the parameters of a stage", tool_params},
-                                    {NULL, NULL, NULL}};
+static const struct word tools[] = {
+    {"run", "a whole recipe in one process", tool_run},
+    {"info", "what a document holds", tool_info},
+    {"validate", "check a document against every rule of the format", tool_validate},
+    {"dump", "a document as text, in canonical order", tool_dump},
+    {"diff", "compare two documents", tool_diff},
+    {"strip", "a document without some of its groups", tool_strip},
+    {"stages", "which stages there are and which file answers", tool_stages},
+    {"params", "the parameters of a stage", tool_params},
+    {NULL, NULL, NULL}};
 
 static void print_help(void) {
   const struct word *tool;
   uint32_t i, j;
-  puts("conceg: dense grey-matter substrates grown from real cell reconstructions\n\nusage: conceg WORD [options]    (conceg WORD --help "
+  puts("conceg: dense grey-matter substrates grown from real cell reconstructions\n\nusage: conceg WORD "
+       "[options]    (conceg WORD --help "
        "says more)\n\nstages, piped in this order:");
   for (i = 0; conceg_pipeline_kind(i); i++)
     for (j = 0; conceg_builtins[j]; j++)
       if (!strcmp(conceg_builtins[j]->kind, conceg_pipeline_kind(i)))
-        printf("  %-13s %s\n", conceg_builtins[j]->kind, conceg_builtins[j]->summary ? conceg_builtins[j]->summary : "");
+        printf("  %-13s %s\n", conceg_builtins[j]->kind,
+               conceg_builtins[j]->summary ? conceg_builtins[j]->summary : "");
   puts("\ntools:");
-  for (tool = tools; tool->name; tool++) printf("  %-13s %s\n", tool->name, tool->summary);
-  puts("  help [WORD]   this page, or the page of a word\n  version       versions, libraries and licence\n\nAny other word runs the program "
-       "conceg-WORD from PATH.\n\nexample:\n  conceg place -p recipe.yaml | conceg triangulate | conceg grow | conceg relax | conceg mesh > "
+  for (tool = tools; tool->name; tool++)
+    printf("  %-13s %s\n", tool->name, tool->summary);
+  puts("  help [WORD]   this page, or the page of a word\n  version       versions, libraries and "
+       "licence\n\nAny other word runs the program "
+       "conceg-WORD from PATH.\n\nexample:\n  conceg place -p recipe.yaml | conceg triangulate | conceg grow "
+       "| conceg relax | conceg mesh > "
        "cube.cgx\n  conceg run recipe.yaml --until mesh -o cube.cgx");
 }
 
 static int print_version(void) {
-  char *arguments[] = {(char *)(uintptr_t)"conceg", (char *)(uintptr_t)"--version", NULL};
+  char *arguments[] = {(char *)(uintptr_t) "conceg", (char *)(uintptr_t) "--version", NULL};
   static const struct cli_program program = {.name = "conceg", .usage = "WORD [options]", .summary = ""};
   struct cli cli;
   return cli_end(&cli, cli_begin(&cli, &program, 2, arguments));
@@ -54,12 +60,14 @@ static void own_folder(char *out, size_t size) {
   char *slash;
   out[length > 0 ? length : 0] = '\0';
   slash = strrchr(out, '/');
-  if (slash) slash[1] = '\0';
-  else *out = '\0';
+  if (slash)
+    slash[1] = '\0';
+  else
+    *out = '\0';
 }
 
-/* conceg-<word> from PATH, so that a user's program replaces a stage; then the one beside this program. Returns only when
- * there is none (0) or when it cannot be started (exit code). */
+/* conceg-<word> from PATH, so that a user's program replaces a stage; then the one beside this program.
+ * Returns only when there is none (0) or when it cannot be started (exit code). */
 static int run_program(const char *word, char **argv) {
   char name[128], path[4096 + 128], folder[4096];
   if (strchr(word, '/') || strlen(word) > 64) return 0;
@@ -94,7 +102,9 @@ static int run_word(const char *word, int argc, char **argv) {
   if (code) return code;
   snprintf(name, sizeof name, "conceg %.80s", word);
   if (is_stage_word(word)) return stage_program(word, name, argc, argv); /* a plugin may stand in */
-  fprintf(stderr, "conceg: error: unknown word %s, and PATH has no program conceg-%s (conceg help lists the words)\n", word, word);
+  fprintf(stderr,
+          "conceg: error: unknown word %s, and PATH has no program conceg-%s (conceg help lists the words)\n",
+          word, word);
   return EXIT_USAGE;
 }
 

@@ -8,9 +8,12 @@
 static void print_string(const char *text) {
   putchar('"');
   for (; *text; text++) {
-    if (*text == '"' || *text == '\\') printf("\\%c", *text);
-    else if (*text == '\n') fputs("\\n", stdout);
-    else putchar(*text);
+    if (*text == '"' || *text == '\\')
+      printf("\\%c", *text);
+    else if (*text == '\n')
+      fputs("\\n", stdout);
+    else
+      putchar(*text);
   }
   putchar('"');
 }
@@ -34,14 +37,16 @@ static void print_array(const char *path, const conceg_array *array, uint64_t li
   shape_text(array, shape, sizeof shape);
   printf("%s %s%s%s:", path, shape, array->unit && *array->unit ? " " : "", array->unit ? array->unit : "");
   if (array->rank == 0 || (array->rank == 1 && strchr(path, '@'))) {
-    for (i = 0; i < count; i++) putchar(' '), print_value(array, i);
+    for (i = 0; i < count; i++)
+      putchar(' '), print_value(array, i);
     putchar('\n');
     return;
   }
   putchar('\n');
   for (i = 0; i < shown; i++) {
     putchar(' ');
-    for (j = 0; j < width; j++) putchar(' '), print_value(array, i * width + j);
+    for (j = 0; j < width; j++)
+      putchar(' '), print_value(array, i * width + j);
     putchar('\n');
   }
   if (shown < rows) printf("  (%llu more rows)\n", (unsigned long long)(rows - shown));
@@ -53,8 +58,10 @@ static int dump_file(struct cli *cli, const char *path, const char *group, uint6
   uint32_t i;
   int code = cli_open(cli, path, &doc);
   if (code != EXIT_OK) return code;
-  if (!conceg_doc_has(doc, group)) code = cli_fail(cli, EXIT_INPUT, "%s: the document does not have it", group);
-  else list_arrays(cli, doc, group, &arrays);
+  if (!conceg_doc_has(doc, group))
+    code = cli_fail(cli, EXIT_INPUT, "%s: the document does not have it", group);
+  else
+    list_arrays(cli, doc, group, &arrays);
   for (i = 0; code == EXIT_OK && i < arrays.count && !ferror(stdout); i++) {
     conceg_array array;
     code = read_array(cli, doc, arrays.word[i], &array);
@@ -67,9 +74,10 @@ static int dump_file(struct cli *cli, const char *path, const char *group, uint6
 
 int tool_dump(int argc, char **argv) {
   const char *group = "/", *rows = NULL;
-  const struct cli_option options[] = {{"group", 'g', "PATH", "only this group or dataset", NULL, &group, NULL},
-                                       {"rows", 0, "N", "at most N rows of each dataset", NULL, &rows, NULL},
-                                       {NULL, 0, NULL, NULL, NULL, NULL, NULL}};
+  const struct cli_option options[] = {
+      {"group", 'g', "PATH", "only this group or dataset", NULL, &group, NULL},
+      {"rows", 0, "N", "at most N rows of each dataset", NULL, &rows, NULL},
+      {NULL, 0, NULL, NULL, NULL, NULL, NULL}};
   const struct cli_program program = {.name = "conceg dump",
                                       .usage = "[FILE.cgx] [options]",
                                       .summary = "a document as text, in canonical order",
@@ -81,6 +89,7 @@ int tool_dump(int argc, char **argv) {
   int code = cli_begin(&cli, &program, argc, argv);
   if (code < 0 && rows && (sscanf(rows, "%llu", &limit) != 1 || *rows == '-'))
     code = cli_fail(&cli, EXIT_USAGE, "--rows %s: expected a whole number", rows);
-  if (code < 0) code = cli_close_stdout(&cli, dump_file(&cli, cli.words.count ? cli.words.word[0] : NULL, group, limit));
+  if (code < 0)
+    code = cli_close_stdout(&cli, dump_file(&cli, cli.words.count ? cli.words.word[0] : NULL, group, limit));
   return cli_end(&cli, code);
 }

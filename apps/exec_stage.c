@@ -11,7 +11,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-const char *exec_command(const char *impl) { return impl && !strncmp(impl, "exec:", 5) && impl[5] ? impl + 5 : NULL; }
+const char *exec_command(const char *impl) {
+  return impl && !strncmp(impl, "exec:", 5) && impl[5] ? impl + 5 : NULL;
+}
 
 /* A new file in the temporary folder; its path is kept by the cli. */
 static const char *temporary_path(struct cli *cli) {
@@ -28,15 +30,21 @@ static const char *temporary_path(struct cli *cli) {
 static int wait_for(struct cli *cli, pid_t child, const char *kind, const char *command) {
   int state;
   while (waitpid(child, &state, 0) < 0)
-    if (errno != EINTR) return cli_fail(cli, EXIT_STAGE, "%s: %s: %s", kind, command, strerror(errno));
-    else if (signals_cancelled()) kill(child, SIGTERM);
+    if (errno != EINTR)
+      return cli_fail(cli, EXIT_STAGE, "%s: %s: %s", kind, command, strerror(errno));
+    else if (signals_cancelled())
+      kill(child, SIGTERM);
   if (WIFEXITED(state) && WEXITSTATUS(state) == 0) return EXIT_OK;
-  if (WIFEXITED(state) && WEXITSTATUS(state) == 127) return cli_fail(cli, EXIT_MISSING, "%s: %s: cannot be run; is it in PATH?", kind, command);
-  if (WIFEXITED(state)) return cli_fail(cli, EXIT_STAGE, "%s: %s ended with exit code %d", kind, command, WEXITSTATUS(state));
-  return cli_fail(cli, EXIT_STAGE, "%s: %s was ended by signal %d", kind, command, WIFSIGNALED(state) ? WTERMSIG(state) : 0);
+  if (WIFEXITED(state) && WEXITSTATUS(state) == 127)
+    return cli_fail(cli, EXIT_MISSING, "%s: %s: cannot be run; is it in PATH?", kind, command);
+  if (WIFEXITED(state))
+    return cli_fail(cli, EXIT_STAGE, "%s: %s ended with exit code %d", kind, command, WEXITSTATUS(state));
+  return cli_fail(cli, EXIT_STAGE, "%s: %s was ended by signal %d", kind, command,
+                  WIFSIGNALED(state) ? WTERMSIG(state) : 0);
 }
 
-static int run_command(struct cli *cli, const char *kind, const char *command, const char *input, const char *output) {
+static int run_command(struct cli *cli, const char *kind, const char *command, const char *input,
+                       const char *output) {
   const int from = open(input, O_RDONLY | O_CLOEXEC), to = open(output, O_WRONLY | O_TRUNC | O_CLOEXEC);
   pid_t child;
   if (from < 0 || to < 0) {
@@ -58,19 +66,22 @@ static int run_command(struct cli *cli, const char *kind, const char *command, c
 }
 
 /* Puts the own recipe's section for this stage over the one that travels in the document. */
-static conceg_status overlay(struct cli *cli, const char *kind, const conceg_recipe *own, conceg_recipe *carried) {
+static conceg_status overlay(struct cli *cli, const char *kind, const conceg_recipe *own,
+                             conceg_recipe *carried) {
   const conceg_node *section = conceg_node_get(conceg_recipe_root(own), kind);
   conceg_status status = CONCEG_OK;
   uint32_t i;
   for (i = 0; status == CONCEG_OK && i < conceg_node_count(section); i++) {
     const char *value = conceg_node_text(conceg_node_at(section, i));
-    status = conceg_recipe_set(cli->ctx, carried, cli_keep(cli, "%s.%s=%s", kind, conceg_node_key(section, i), value ? value : ""));
+    status = conceg_recipe_set(
+        cli->ctx, carried, cli_keep(cli, "%s.%s=%s", kind, conceg_node_key(section, i), value ? value : ""));
   }
   return status;
 }
 
 /* The parameters reach the program through /recipe. */
-static conceg_status carry_recipe(struct cli *cli, const char *kind, const conceg_recipe *own, const char *const *sets, conceg_doc *doc) {
+static conceg_status carry_recipe(struct cli *cli, const char *kind, const conceg_recipe *own,
+                                  const char *const *sets, conceg_doc *doc) {
   conceg_recipe *carried = NULL;
   conceg_status status;
   const char *text;
@@ -78,13 +89,16 @@ static conceg_status carry_recipe(struct cli *cli, const char *kind, const conce
     status = conceg_recipe_from_doc(cli->ctx, doc, &carried);
     if (status == CONCEG_OK && own) status = overlay(cli, kind, own, carried);
   } else if (own) {
-    status = conceg_recipe_parse(cli->ctx, conceg_recipe_text((conceg_recipe *)(uintptr_t)own), "recipe", &carried);
+    status = conceg_recipe_parse(cli->ctx, conceg_recipe_text((conceg_recipe *)(uintptr_t)own), "recipe",
+                                 &carried);
   } else {
     status = conceg_recipe_parse(cli->ctx, "conceg: 1\n", "recipe", &carried);
   }
-  for (; status == CONCEG_OK && sets && *sets; sets++) status = conceg_recipe_set(cli->ctx, carried, *sets);
+  for (; status == CONCEG_OK && sets && *sets; sets++)
+    status = conceg_recipe_set(cli->ctx, carried, *sets);
   if (status == CONCEG_OK && !conceg_node_get(conceg_recipe_root(carried), "seed"))
-    status = conceg_recipe_set(cli->ctx, carried, cli_keep(cli, "seed=%llu", (unsigned long long)conceg_ctx_seed(cli->ctx)));
+    status = conceg_recipe_set(cli->ctx, carried,
+                               cli_keep(cli, "seed=%llu", (unsigned long long)conceg_ctx_seed(cli->ctx)));
   if (status == CONCEG_OK) {
     text = conceg_recipe_text(carried);
     status = text ? conceg_doc_write_text(doc, "/recipe", text) : CONCEG_E_NOMEM;
@@ -93,14 +107,16 @@ static conceg_status carry_recipe(struct cli *cli, const char *kind, const conce
   return status;
 }
 
-int exec_stage(struct cli *cli, const char *kind, const char *command, const conceg_recipe *own, const char *const *sets,
-               conceg_doc **doc) {
+int exec_stage(struct cli *cli, const char *kind, const char *command, const conceg_recipe *own,
+               const char *const *sets, conceg_doc **doc) {
   const char *input, *output = NULL;
   conceg_doc *result = NULL;
   conceg_status status;
   int code = EXIT_OK;
   if (!cli->allow_exec)
-    return cli_fail(cli, EXIT_USAGE, "%s: the recipe asks to run the program %s (impl: exec:); allow it with --allow-exec", kind, command);
+    return cli_fail(cli, EXIT_USAGE,
+                    "%s: the recipe asks to run the program %s (impl: exec:); allow it with --allow-exec",
+                    kind, command);
   input = temporary_path(cli);
   output = input ? temporary_path(cli) : NULL;
   if (!output) code = EXIT_IO;
@@ -113,7 +129,9 @@ int exec_stage(struct cli *cli, const char *kind, const char *command, const con
   if (code == EXIT_OK) {
     status = conceg_doc_open(cli->ctx, output, &result);
     if (status == CONCEG_OK) status = conceg_doc_validate(result, NULL, NULL, NULL);
-    if (status != CONCEG_OK) code = cli_fail(cli, EXIT_STAGE, "%s: %s wrote no valid document: %s", kind, command, conceg_ctx_error(cli->ctx));
+    if (status != CONCEG_OK)
+      code = cli_fail(cli, EXIT_STAGE, "%s: %s wrote no valid document: %s", kind, command,
+                      conceg_ctx_error(cli->ctx));
   }
   if (input) unlink(input);
   if (output) unlink(output);

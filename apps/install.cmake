@@ -14,7 +14,8 @@ export(EXPORT conceg-targets NAMESPACE conceg:: FILE ${CMAKE_BINARY_DIR}/cmake/c
 
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/libconceg/include/conceg DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
 # Header-only helpers for stages in C++: exceptions, views, parallel loops, the periodic box.
-install(DIRECTORY ${CMAKE_SOURCE_DIR}/stages/common/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/conceg/stage FILES_MATCHING PATTERN "*.hpp")
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/stages/common/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/conceg/stage FILES_MATCHING PATTERN "*.hpp"
+        PATTERN tests EXCLUDE)
 install(DIRECTORY DESTINATION ${CMAKE_INSTALL_LIBDIR}/conceg/plugins)
 
 file(WRITE ${CMAKE_BINARY_DIR}/cmake/conceg-config.cmake "include(\${CMAKE_CURRENT_LIST_DIR}/conceg-targets.cmake)\n")

@@ -10,9 +10,12 @@ static void put_text(const char *text) {
   putchar('"');
   for (; *text; text++) {
     const unsigned char c = (unsigned char)*text;
-    if (c == '"' || c == '\\') printf("\\%c", c);
-    else if (c < 0x20) printf("\\u%04x", c);
-    else putchar(c);
+    if (c == '"' || c == '\\')
+      printf("\\%c", c);
+    else if (c < 0x20)
+      printf("\\u%04x", c);
+    else
+      putchar(c);
   }
   putchar('"');
 }
@@ -44,8 +47,10 @@ void json_text(struct json *json, const char *key, const char *value) {
 
 void json_number(struct json *json, const char *key, double value) {
   begin(json, key);
-  if (isfinite(value)) printf("%.17g", value);
-  else fputs("null", stdout);
+  if (isfinite(value))
+    printf("%.17g", value);
+  else
+    fputs("null", stdout);
 }
 
 void json_whole(struct json *json, const char *key, uint64_t value) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * conceg params: the parameter table of a stage, for reading, for a recipe (--yaml) or for programs (--json). */
+ * conceg params: the parameter table of a stage, for reading, for a recipe (--yaml) or for programs (--json).
+ */
 #include "cli.h"
 #include "json.h"
 #include "tools.h"
@@ -17,7 +18,8 @@ static void print_yaml(const conceg_stage *stage) {
   for (row = stage->params; row && row->name; row++) {
     if (row->type == CONCEG_PARAM_FILE) continue;
     printf("  %s: %s", row->name, *row->fallback ? row->fallback : "\"\"");
-    printf("  # %s%s%s%s\n", row->help ? row->help : "", row->unit && *row->unit ? " [" : "", row->unit ? row->unit : "", row->unit && *row->unit ? "]" : "");
+    printf("  # %s%s%s%s\n", row->help ? row->help : "", row->unit && *row->unit ? " [" : "",
+           row->unit ? row->unit : "", row->unit && *row->unit ? "]" : "");
   }
 }
 
@@ -33,7 +35,8 @@ static void print_json(const conceg_stage *stage) {
     json_text(&json, "help", row->help ? row->help : "");
     json_text(&json, "default", row->fallback);
     if (row->choices) json_text(&json, "choices", row->choices);
-    if (row->type == CONCEG_PARAM_F64 || row->type == CONCEG_PARAM_I64) json_number(&json, "lo", row->lo), json_number(&json, "hi", row->hi);
+    if (row->type == CONCEG_PARAM_F64 || row->type == CONCEG_PARAM_I64)
+      json_number(&json, "lo", row->lo), json_number(&json, "hi", row->hi);
     json_close(&json, '}');
   }
   json_close(&json, ']');
@@ -44,7 +47,8 @@ static int print_table(struct cli *cli, int yaml) {
   const conceg_stage *stage;
   conceg_status status;
   int code = EXIT_OK;
-  if (!cli->words.count) return cli_fail(cli, EXIT_USAGE, "which stage? usage: %s %s", cli->program->name, cli->program->usage);
+  if (!cli->words.count)
+    return cli_fail(cli, EXIT_USAGE, "which stage? usage: %s %s", cli->program->name, cli->program->usage);
   status = conceg_registry_new(cli->ctx, conceg_builtins, &registry);
   if (status != CONCEG_OK) return cli_fail_status(cli, status);
   status = conceg_registry_find(registry, cli->words.word[0], cli->impl, &stage);
@@ -64,8 +68,9 @@ static int print_table(struct cli *cli, int yaml) {
 
 int tool_params(int argc, char **argv) {
   int yaml = 0;
-  const struct cli_option options[] = {{"yaml", 0, NULL, "as the section of a recipe, with the defaults", &yaml, NULL, NULL},
-                                       {NULL, 0, NULL, NULL, NULL, NULL, NULL}};
+  const struct cli_option options[] = {
+      {"yaml", 0, NULL, "as the section of a recipe, with the defaults", &yaml, NULL, NULL},
+      {NULL, 0, NULL, NULL, NULL, NULL, NULL}};
   const struct cli_program program = {.name = "conceg params",
                                       .usage = "STAGE [--impl NAME] [--yaml|--json]",
                                       .summary = "the parameters of a stage",

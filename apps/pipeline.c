@@ -6,7 +6,8 @@
 
 static uint32_t find_kind(const struct words *kinds, const char *kind) {
   uint32_t i;
-  for (i = 0; i < kinds->count && strcmp(kinds->word[i], kind) != 0;) i++;
+  for (i = 0; i < kinds->count && strcmp(kinds->word[i], kind) != 0;)
+    i++;
   return i;
 }
 
@@ -14,16 +15,22 @@ static int fail_absent(struct cli *cli, const char *option, const char *kind, co
   char list[256] = "";
   size_t used = 0;
   uint32_t i;
-  for (i = 0; i < kinds->count && used < sizeof list; i++) used += (size_t)snprintf(list + used, sizeof list - used, " %s", kinds->word[i]);
-  return cli_fail(cli, EXIT_USAGE, "%s %s: not among the stages of this run:%s (the recipe's stages: can name others)", option, kind, list);
+  for (i = 0; i < kinds->count && used < sizeof list; i++)
+    used += (size_t)snprintf(list + used, sizeof list - used, " %s", kinds->word[i]);
+  return cli_fail(cli, EXIT_USAGE,
+                  "%s %s: not among the stages of this run:%s (the recipe's stages: can name others)", option,
+                  kind, list);
 }
 
-int pipeline_choose(struct cli *cli, const conceg_recipe *recipe, const char *from, const char *until, struct words *kinds) {
+int pipeline_choose(struct cli *cli, const conceg_recipe *recipe, const char *from, const char *until,
+                    struct words *kinds) {
   static const char *const standard[] = {"place", "triangulate", "grow", "relax", "mesh", "analyse", NULL};
   const conceg_node *own = conceg_node_get(conceg_recipe_root(recipe), "stages");
   uint32_t i, first = 0;
-  for (i = 0; i < conceg_node_count(own); i++) words_add(kinds, conceg_node_text(conceg_node_at(own, i)));
-  for (i = 0; !own && standard[i]; i++) words_add(kinds, standard[i]);
+  for (i = 0; i < conceg_node_count(own); i++)
+    words_add(kinds, conceg_node_text(conceg_node_at(own, i)));
+  for (i = 0; !own && standard[i]; i++)
+    words_add(kinds, standard[i]);
   if (!kinds->count) return cli_fail(cli, EXIT_USAGE, "the recipe's list of stages is empty");
   if (from) {
     first = find_kind(kinds, from);
@@ -42,14 +49,17 @@ int pipeline_choose(struct cli *cli, const conceg_recipe *recipe, const char *fr
 }
 
 static void print_quoted(const char *text) {
-  if (*text && strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=,:+-") == strlen(text)) {
+  if (*text && strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=,:+-") ==
+                   strlen(text)) {
     fputs(text, stdout);
     return;
   }
   putchar('\'');
   for (; *text; text++) {
-    if (*text == '\'') fputs("'\\''", stdout);
-    else putchar(*text);
+    if (*text == '\'')
+      fputs("'\\''", stdout);
+    else
+      putchar(*text);
   }
   putchar('\'');
 }
@@ -61,8 +71,10 @@ void pipeline_print(const struct cli *cli, const char *recipe, const char *input
     if (i == 0 && !input) fputs(" -p ", stdout), print_quoted(recipe);
     if (i == 0 && input) putchar(' '), print_quoted(input);
     if (i > 0 && input) fputs(" -p ", stdout), print_quoted(recipe);
-    for (set = 0; i == 0 && set < cli->sets.count; set++) fputs(" --set ", stdout), print_quoted(cli->sets.word[set]);
-    if (!strcmp(kinds->word[i], "export") || !strcmp(kinds->word[i], "render") || !strcmp(kinds->word[i], "report"))
+    for (set = 0; i == 0 && set < cli->sets.count; set++)
+      fputs(" --set ", stdout), print_quoted(cli->sets.word[set]);
+    if (!strcmp(kinds->word[i], "export") || !strcmp(kinds->word[i], "render") ||
+        !strcmp(kinds->word[i], "report"))
       if (i + 1 < kinds->count) fputs(" -o -", stdout);
   }
   if (cli->output) fputs(" > ", stdout), print_quoted(cli->output);

@@ -15,9 +15,12 @@
 static volatile sig_atomic_t cancelled, waiting_for_input;
 
 static void on_signal(int number) {
+  static const char line[] = "conceg: error: cancelled while waiting for input\n";
   (void)number;
   cancelled = 1;
-  if (waiting_for_input) _exit(EXIT_CANCELLED);
+  if (!waiting_for_input) return;
+  if (write(STDERR_FILENO, line, sizeof line - 1) < 0) _exit(EXIT_CANCELLED);
+  _exit(EXIT_CANCELLED);
 }
 
 void signals_catch(void) {
@@ -33,8 +36,12 @@ void signals_catch(void) {
   sigaction(SIGPIPE, &action, NULL);
 }
 
-int signals_cancelled(void) { return cancelled; }
-void signals_waiting(int waiting) { waiting_for_input = waiting; }
+int signals_cancelled(void) {
+  return cancelled;
+}
+void signals_waiting(int waiting) {
+  waiting_for_input = waiting;
+}
 
 double seconds_now(void) {
   struct timespec now;
@@ -45,7 +52,8 @@ double seconds_now(void) {
 double seconds_of_cpu(void) {
   struct rusage usage;
   getrusage(RUSAGE_SELF, &usage);
-  return (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) + 1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+  return (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+         1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
 uint64_t peak_memory(void) {
@@ -69,9 +77,12 @@ void progress_clear(struct progress *progress) {
 }
 
 static void format_rate(char *out, size_t size, double rate) {
-  if (rate >= 1e6) snprintf(out, size, "%.1fM/s", rate / 1e6);
-  else if (rate >= 1e3) snprintf(out, size, "%.1fk/s", rate / 1e3);
-  else snprintf(out, size, "%.1f/s", rate);
+  if (rate >= 1e6)
+    snprintf(out, size, "%.1fM/s", rate / 1e6);
+  else if (rate >= 1e3)
+    snprintf(out, size, "%.1fk/s", rate / 1e3);
+  else
+    snprintf(out, size, "%.1f/s", rate);
 }
 
 static void draw_bar(struct progress *progress, uint64_t done, uint64_t total, double now) {
@@ -80,13 +91,16 @@ static void draw_bar(struct progress *progress, uint64_t done, uint64_t total, d
   unsigned filled, i;
   format_rate(speed, sizeof speed, rate);
   if (!total) {
-    fprintf(stderr, "\r\033[K%s: %s %llu  %s", progress->prefix, progress->what, (unsigned long long)done, speed);
+    fprintf(stderr, "\r\033[K%s: %s %llu  %s", progress->prefix, progress->what, (unsigned long long)done,
+            speed);
   } else {
     const double part = done < total ? (double)done / (double)total : 1.0;
     filled = (unsigned)(part * 20);
-    for (i = 0; i < 20; i++) bar[i] = i < filled ? '#' : '.';
+    for (i = 0; i < 20; i++)
+      bar[i] = i < filled ? '#' : '.';
     bar[20] = '\0';
-    fprintf(stderr, "\r\033[K%s: %s [%s] %3.0f %%  %s", progress->prefix, progress->what, bar, 100 * part, speed);
+    fprintf(stderr, "\r\033[K%s: %s [%s] %3.0f %%  %s", progress->prefix, progress->what, bar, 100 * part,
+            speed);
     if (rate > 0 && done < total) fprintf(stderr, "  %.0f s left", (double)(total - done) / rate);
   }
   progress->bar_is_drawn = 1;
@@ -103,8 +117,8 @@ static void print_json_text(const char *text) {
 static void print_json(struct progress *progress, uint64_t done, uint64_t total, double now) {
   fputs("{\"progress\":\"", stderr);
   print_json_text(progress->what);
-  fprintf(stderr, "\",\"done\":%llu,\"total\":%llu,\"seconds\":%.3f}\n", (unsigned long long)done, (unsigned long long)total,
-          now - progress->began);
+  fprintf(stderr, "\",\"done\":%llu,\"total\":%llu,\"seconds\":%.3f}\n", (unsigned long long)done,
+          (unsigned long long)total, now - progress->began);
   progress->drawn = now;
 }
 

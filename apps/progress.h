@@ -10,8 +10,8 @@ enum progress_mode { PROGRESS_AUTO, PROGRESS_JSON, PROGRESS_NONE };
 struct progress {
   enum progress_mode mode;
   int is_terminal, bar_is_drawn;
-  const char *prefix;  /* "conceg grow" */
-  const char *word;    /* "grow": taken off the front of what is reported; NULL for tools */
+  const char *prefix; /* "conceg grow" */
+  const char *word;   /* "grow": taken off the front of what is reported; NULL for tools */
   char what[80];
   uint64_t done;
   int last_tenth;
@@ -24,11 +24,12 @@ int progress_report(void *user, const char *what, uint64_t done, uint64_t total)
 /* Takes the bar off the terminal, before a line is printed and at the end. */
 void progress_clear(struct progress *progress);
 
-double seconds_now(void);     /* monotonic */
-double seconds_of_cpu(void);  /* user and system, of this process */
-uint64_t peak_memory(void);   /* bytes resident at most, of this process */
+double seconds_now(void);    /* monotonic */
+double seconds_of_cpu(void); /* user and system, of this process */
+uint64_t peak_memory(void);  /* bytes resident at most, of this process */
 
-/* Catches SIGINT and SIGTERM (the second one kills) and ignores SIGPIPE, so that a closed pipe is an error with a line. */
+/* Catches SIGINT and SIGTERM (the second one kills) and ignores SIGPIPE, so that a closed pipe is an error
+ * with a line. */
 void signals_catch(void);
 int signals_cancelled(void);
 /* While a program only waits for its input there is nothing to clean up: a signal then ends it at once. */

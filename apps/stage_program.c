@@ -16,17 +16,20 @@ struct job {
   conceg_doc *doc;
 };
 
-static int has_flag(const conceg_stage *stage, uint64_t flag) { return stage && (stage->flags & flag) != 0; }
+static int has_flag(const conceg_stage *stage, uint64_t flag) {
+  return stage && (stage->flags & flag) != 0;
+}
 
-/* The stage that the options name, before any input is read: it says whether there is an input at all. The document's
- * /recipe may still name another implementation. Returns 0 or an exit code. */
+/* The stage that the options name, before any input is read: it says whether there is an input at all. The
+ * document's /recipe may still name another implementation. Returns 0 or an exit code. */
 static int expected_stage(struct job *job, const conceg_stage **out) {
   const char *impl = cli_impl(job->cli, job->kind, job->recipe, NULL);
   const int runs_program = exec_command(impl) != NULL;
   const conceg_status status = conceg_registry_find(job->registry, job->kind, runs_program ? "" : impl, out);
   if (status == CONCEG_OK) cli_quote_params(job->cli, (*out)->params);
   /* With --allow-exec the document may name a program for a stage that this build lacks. */
-  else if (!job->cli->allow_exec) return cli_fail_stage_missing(job->cli, status);
+  else if (!job->cli->allow_exec)
+    return cli_fail_stage_missing(job->cli, status);
   return EXIT_OK;
 }
 
@@ -34,9 +37,11 @@ static int expected_stage(struct job *job, const conceg_stage **out) {
 static int open_input(struct job *job, const conceg_stage *expected) {
   struct cli *cli = job->cli;
   conceg_status status;
-  if (!has_flag(expected, CONCEG_STAGE_SOURCE)) return cli_open(cli, cli->words.count ? cli->words.word[0] : NULL, &job->doc);
+  if (!has_flag(expected, CONCEG_STAGE_SOURCE))
+    return cli_open(cli, cli->words.count ? cli->words.word[0] : NULL, &job->doc);
   if (has_flag(expected, CONCEG_STAGE_RECIPE) && !cli->recipe)
-    return cli_fail(cli, EXIT_USAGE, "needs a recipe: %s -p RECIPE (see %s --help)", cli->program->name, cli->program->name);
+    return cli_fail(cli, EXIT_USAGE, "needs a recipe: %s -p RECIPE (see %s --help)", cli->program->name,
+                    cli->program->name);
   if (cli->words.count && !has_flag(expected, CONCEG_STAGE_ARGUMENTS))
     return cli_fail(cli, EXIT_USAGE, "takes no input, got %s (a recipe goes after -p)", cli->words.word[0]);
   status = conceg_doc_new(cli->ctx, &job->doc);
@@ -61,7 +66,8 @@ static int run_stage(struct job *job) {
   if (command) return exec_stage(cli, job->kind, command, job->recipe, cli->sets.word, &job->doc);
   status = conceg_registry_find(job->registry, job->kind, impl, &stage);
   if (status != CONCEG_OK) return cli_fail_stage_missing(cli, status);
-  status = conceg_params_new(cli->ctx, stage, job->doc, job->recipe, cli->sets.word, stage_arguments(job, stage), &params);
+  status = conceg_params_new(cli->ctx, stage, job->doc, job->recipe, cli->sets.word,
+                             stage_arguments(job, stage), &params);
   if (status == CONCEG_OK) status = conceg_stage_run(cli->ctx, stage, job->doc, params);
   conceg_params_free(params);
   if (status != CONCEG_OK) return cli_fail_status(cli, status);
@@ -94,7 +100,8 @@ static const conceg_stage *builtin_of(const char *kind) {
 }
 
 static const char *usage_of(const conceg_stage *stage) {
-  if (has_flag(stage, CONCEG_STAGE_SOURCE) && has_flag(stage, CONCEG_STAGE_ARGUMENTS)) return "FILES... [options] -o FILE";
+  if (has_flag(stage, CONCEG_STAGE_SOURCE) && has_flag(stage, CONCEG_STAGE_ARGUMENTS))
+    return "FILES... [options] -o FILE";
   if (has_flag(stage, CONCEG_STAGE_SOURCE)) return "-p RECIPE [options] -o FILE";
   if (has_flag(stage, CONCEG_STAGE_SINK)) return "[FILE.cgx] [options]";
   return "[FILE.cgx] [options] -o FILE";
@@ -115,7 +122,8 @@ int stage_program(const char *kind, const char *name, int argc, char **argv) {
   }
   code = cli_begin(&cli, &program, argc, argv);
   if (code < 0) code = run_job(&job);
-  if (job.doc && conceg_doc_close(job.doc) != CONCEG_OK && code == EXIT_OK) code = cli_fail_status(&cli, CONCEG_E_IO);
+  if (job.doc && conceg_doc_close(job.doc) != CONCEG_OK && code == EXIT_OK)
+    code = cli_fail_status(&cli, CONCEG_E_IO);
   conceg_recipe_free(job.recipe);
   conceg_registry_free(job.registry);
   return cli_end(&cli, code);

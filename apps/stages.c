@@ -43,18 +43,23 @@ static int list_stages(struct cli *cli) {
   uint32_t i;
   const conceg_status status = conceg_registry_new(cli->ctx, conceg_builtins, &registry);
   if (status != CONCEG_OK) return cli_fail_status(cli, status);
-  for (i = 0; i < 5; i++) words_add(&table.cells, headings[i]);
+  for (i = 0; i < 5; i++)
+    words_add(&table.cells, headings[i]);
   if (cli->json) json_open(&json, NULL, '[');
   for (i = 0; conceg_registry_at(registry, i, &row.kind, &row.name, &row.file); i++) {
     const char *impl = strcmp(row.file, "built in") ? cli_keep(cli, "plugin:%s", row.name) : row.name;
     row.stage = NULL, row.problem = "";
     if (conceg_registry_find(registry, row.kind, impl, &row.stage) != CONCEG_OK)
       row.problem = cli_keep(cli, "cannot be used: %s", conceg_ctx_error(cli->ctx));
-    if (cli->json) print_row_json(&json, &row);
-    else add_row(&table, &row);
+    if (cli->json)
+      print_row_json(&json, &row);
+    else
+      add_row(&table, &row);
   }
-  if (cli->json) json_close(&json, ']');
-  else table_print(&table, 0);
+  if (cli->json)
+    json_close(&json, ']');
+  else
+    table_print(&table, 0);
   table_free(&table);
   conceg_registry_free(registry);
   return EXIT_OK;

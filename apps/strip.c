@@ -11,7 +11,8 @@ static conceg_status drop_groups(struct cli *cli, conceg_doc *doc, const char *g
     const size_t length = strcspn(groups, ",");
     const char *path = cli_keep(cli, "%s%.*s", *groups == '/' ? "" : "/", (int)length, groups);
     if (length && !conceg_doc_has(doc, path))
-      return conceg_ctx_fail(cli->ctx, CONCEG_E_MISSING, "%s: the document does not have it (conceg info lists the groups)", path);
+      return conceg_ctx_fail(cli->ctx, CONCEG_E_MISSING,
+                             "%s: the document does not have it (conceg info lists the groups)", path);
     if (length && strcmp(path, "/") != 0) status = conceg_doc_drop(doc, path);
     groups += length + (groups[length] == ',');
   }
@@ -22,7 +23,8 @@ static int strip_file(struct cli *cli) {
   conceg_doc *doc = NULL;
   conceg_status status;
   int code;
-  if (!cli->words.count) return cli_fail(cli, EXIT_USAGE, "which groups? usage: %s %s", cli->program->name, cli->program->usage);
+  if (!cli->words.count)
+    return cli_fail(cli, EXIT_USAGE, "which groups? usage: %s %s", cli->program->name, cli->program->usage);
   code = cli_check_output(cli, cli->output);
   if (code == EXIT_OK) code = cli_open(cli, cli->words.count > 1 ? cli->words.word[1] : NULL, &doc);
   if (code != EXIT_OK) return code;

@@ -36,7 +36,8 @@ static int save_checkpoint(struct run *run, uint32_t index) {
 /* The recipe as the source stage writes it: what a checkpoint must carry. NULL after an error line. */
 static const char *intended_recipe(struct run *run) {
   conceg_status status = CONCEG_OK;
-  if (!conceg_node_get(conceg_recipe_root(run->recipe), "seed")) status = conceg_recipe_set(run->cli.ctx, run->recipe, "seed=1");
+  if (!conceg_node_get(conceg_recipe_root(run->recipe), "seed"))
+    status = conceg_recipe_set(run->cli.ctx, run->recipe, "seed=1");
   if (status == CONCEG_OK) return conceg_recipe_text(run->recipe);
   cli_fail_status(&run->cli, status);
   return NULL;
@@ -54,11 +55,14 @@ static int last_text(conceg_doc *doc, const char *path, const char **out) {
 static int check_checkpoint(struct run *run, const char *path, conceg_doc *doc) {
   const char *carried = NULL, *build = NULL, *intended = intended_recipe(run);
   if (!intended) return EXIT_USAGE;
-  if (!conceg_doc_has(doc, "/recipe") || conceg_doc_read_text(doc, "/recipe", &carried) != CONCEG_OK || strcmp(carried, intended) != 0)
-    return cli_fail(&run->cli, EXIT_USAGE, "%s: was made from another recipe; use another --checkpoint folder, or run without --resume", path);
+  if (!conceg_doc_has(doc, "/recipe") || conceg_doc_read_text(doc, "/recipe", &carried) != CONCEG_OK ||
+      strcmp(carried, intended) != 0)
+    return cli_fail(
+        &run->cli, EXIT_USAGE,
+        "%s: was made from another recipe; use another --checkpoint folder, or run without --resume", path);
   if (!last_text(doc, "/provenance/library_version", &build) || strcmp(build, conceg_version()) != 0)
-    return cli_fail(&run->cli, EXIT_USAGE, "%s: was made by ConCeG %s, this is %s; run without --resume", path, build ? build : "of unknown version",
-                    conceg_version());
+    return cli_fail(&run->cli, EXIT_USAGE, "%s: was made by ConCeG %s, this is %s; run without --resume",
+                    path, build ? build : "of unknown version", conceg_version());
   return EXIT_OK;
 }
 
@@ -72,7 +76,8 @@ static int resume(struct run *run, uint32_t *next) {
     if (stat(path, &info)) continue;
     code = cli_open(&run->cli, path, &run->doc);
     if (code == EXIT_OK) code = check_checkpoint(run, path, run->doc);
-    if (code == EXIT_OK && run->cli.verbose) fprintf(stderr, "%s: going on after %s\n", run->cli.program->name, path);
+    if (code == EXIT_OK && run->cli.verbose)
+      fprintf(stderr, "%s: going on after %s\n", run->cli.program->name, path);
     *next = i;
     return code;
   }
@@ -81,10 +86,13 @@ static int resume(struct run *run, uint32_t *next) {
 
 /* ---- Stages ---- */
 
-/* Parameters of a stage: the first one takes recipe and --set, the others find them in /recipe, as in a pipe. */
-static conceg_status make_params(struct run *run, const conceg_stage *stage, int is_first, conceg_params **out) {
+/* Parameters of a stage: the first one takes recipe and --set, the others find them in /recipe, as in a pipe.
+ */
+static conceg_status make_params(struct run *run, const conceg_stage *stage, int is_first,
+                                 conceg_params **out) {
   const int given = is_first || run->has_input;
-  return conceg_params_new(run->cli.ctx, stage, run->doc, given ? run->recipe : NULL, given ? run->cli.sets.word : NULL, NULL, out);
+  return conceg_params_new(run->cli.ctx, stage, run->doc, given ? run->recipe : NULL,
+                           given ? run->cli.sets.word : NULL, NULL, out);
 }
 
 static int run_builtin(struct run *run, const char *kind, const char *impl, int is_first) {
@@ -104,11 +112,15 @@ static int run_builtin(struct run *run, const char *kind, const char *impl, int 
 }
 
 static int run_kind(struct run *run, uint32_t index, int is_first) {
-  const char *kind = run->kinds.word[index], *impl = cli_impl(&run->cli, kind, run->recipe, run->doc), *command = exec_command(impl);
+  const char *kind = run->kinds.word[index], *impl = cli_impl(&run->cli, kind, run->recipe, run->doc),
+             *command = exec_command(impl);
   const int given = is_first || run->has_input;
   int code;
-  if (command) code = exec_stage(&run->cli, kind, command, given ? run->recipe : NULL, given ? run->cli.sets.word : NULL, &run->doc);
-  else code = run_builtin(run, kind, impl, is_first);
+  if (command)
+    code = exec_stage(&run->cli, kind, command, given ? run->recipe : NULL, given ? run->cli.sets.word : NULL,
+                      &run->doc);
+  else
+    code = run_builtin(run, kind, impl, is_first);
   if (code == EXIT_OK && signals_cancelled()) code = cli_fail(&run->cli, EXIT_CANCELLED, "cancelled");
   if (code == EXIT_OK) code = save_checkpoint(run, index);
   return code;
@@ -119,17 +131,23 @@ static int check_all(struct run *run) {
   struct cli *cli = &run->cli;
   uint32_t i;
   for (i = 0; i < run->kinds.count; i++) {
-    const char *kind = run->kinds.word[i], *impl = cli_impl(cli, kind, run->recipe, NULL), *command = exec_command(impl);
+    const char *kind = run->kinds.word[i], *impl = cli_impl(cli, kind, run->recipe, NULL),
+               *command = exec_command(impl);
     const conceg_stage *stage;
     conceg_params *params;
     conceg_status status;
     if (command && !cli->allow_exec)
-      return cli_fail(cli, EXIT_USAGE, "%s: the recipe asks to run the program %s (impl: exec:); allow it with --allow-exec", kind, command);
+      return cli_fail(cli, EXIT_USAGE,
+                      "%s: the recipe asks to run the program %s (impl: exec:); allow it with --allow-exec",
+                      kind, command);
     if (command) continue;
     status = conceg_registry_find(run->registry, kind, impl, &stage);
     if (status != CONCEG_OK) return cli_fail_stage_missing(cli, status);
     if (i == 0 && !run->has_input && !(stage->flags & CONCEG_STAGE_SOURCE))
-      return cli_fail(cli, EXIT_USAGE, "%s needs a document: name one after the recipe (conceg run RECIPE INPUT.cgx --from %s)", kind, kind);
+      return cli_fail(
+          cli, EXIT_USAGE,
+          "%s needs a document: name one after the recipe (conceg run RECIPE INPUT.cgx --from %s)", kind,
+          kind);
     status = conceg_params_new(cli->ctx, stage, NULL, run->recipe, cli->sets.word, NULL, &params);
     conceg_params_free(params);
     if (status != CONCEG_OK) return cli_fail_status(cli, status);
@@ -151,7 +169,8 @@ static int run_stages(struct run *run) {
   const int writes = cli->output || !ends_in_sink(run);
   uint32_t i, first = 0;
   int code = writes ? cli_check_output(cli, cli->output) : EXIT_OK;
-  if (code == EXIT_OK && run->checkpoint && mkdir(run->checkpoint, 0777) && stat(run->checkpoint, &(struct stat){0}))
+  if (code == EXIT_OK && run->checkpoint && mkdir(run->checkpoint, 0777) &&
+      stat(run->checkpoint, &(struct stat){0}))
     code = cli_fail(cli, EXIT_IO, "%s: cannot make the folder of checkpoints", run->checkpoint);
   if (code == EXIT_OK && run->has_input) code = cli_open(cli, cli->words.word[1], &run->doc);
   if (code == EXIT_OK && run->resume) code = resume(run, &first);
@@ -159,7 +178,8 @@ static int run_stages(struct run *run) {
     const conceg_status status = conceg_doc_new(cli->ctx, &run->doc);
     if (status != CONCEG_OK) code = cli_fail_status(cli, status);
   }
-  for (i = first; code == EXIT_OK && i < run->kinds.count; i++) code = run_kind(run, i, i == 0);
+  for (i = first; code == EXIT_OK && i < run->kinds.count; i++)
+    code = run_kind(run, i, i == 0);
   if (code == EXIT_OK && writes) code = cli_save(cli, run->doc, cli->output);
   return code;
 }
@@ -170,13 +190,18 @@ static int run_body(struct run *run) {
   const char *const *set;
   conceg_status status;
   int code;
-  if (!path) return cli_fail(cli, EXIT_USAGE, "which recipe? usage: %s %s", cli->program->name, cli->program->usage);
-  if (cli->recipe && cli->words.count) return cli_fail(cli, EXIT_USAGE, "give the recipe either as a word or after -p, not both");
+  if (!path)
+    return cli_fail(cli, EXIT_USAGE, "which recipe? usage: %s %s", cli->program->name, cli->program->usage);
+  if (cli->recipe && cli->words.count)
+    return cli_fail(cli, EXIT_USAGE, "give the recipe either as a word or after -p, not both");
   if (run->resume && !run->checkpoint) return cli_fail(cli, EXIT_USAGE, "--resume needs --checkpoint DIR");
   run->has_input = cli->words.count > 1;
-  if (run->has_input && run->checkpoint) return cli_fail(cli, EXIT_USAGE, "--checkpoint is for runs that begin with the recipe, not with a document");
+  if (run->has_input && run->checkpoint)
+    return cli_fail(cli, EXIT_USAGE,
+                    "--checkpoint is for runs that begin with the recipe, not with a document");
   status = conceg_recipe_load(cli->ctx, path, &run->recipe);
-  for (set = cli->sets.word; status == CONCEG_OK && *set; set++) status = conceg_recipe_set(cli->ctx, run->recipe, *set);
+  for (set = cli->sets.word; status == CONCEG_OK && *set; set++)
+    status = conceg_recipe_set(cli->ctx, run->recipe, *set);
   if (status != CONCEG_OK) return cli_fail_status(cli, status);
   code = pipeline_choose(cli, run->recipe, run->from, run->until, &run->kinds);
   if (code != EXIT_OK) return code;
@@ -196,8 +221,10 @@ int tool_run(int argc, char **argv) {
       {"from", 0, "STAGE", "begin with this stage, on the document INPUT.cgx", NULL, &run.from, NULL},
       {"until", 0, "STAGE", "end after this stage", NULL, &run.until, NULL},
       {"checkpoint", 0, "DIR", "keep the document after each stage in DIR", NULL, &run.checkpoint, NULL},
-      {"resume", 0, NULL, "go on after the newest checkpoint of the same recipe and build", &run.resume, NULL, NULL},
-      {"print-pipe", 0, NULL, "print the same run as a shell pipe, and do nothing", &run.print_pipe, NULL, NULL},
+      {"resume", 0, NULL, "go on after the newest checkpoint of the same recipe and build", &run.resume, NULL,
+       NULL},
+      {"print-pipe", 0, NULL, "print the same run as a shell pipe, and do nothing", &run.print_pipe, NULL,
+       NULL},
       {NULL, 0, NULL, NULL, NULL, NULL, NULL}};
   const struct cli_program program = {.name = "conceg run",
                                       .usage = "RECIPE [INPUT.cgx] [options] -o FILE",
@@ -209,7 +236,8 @@ int tool_run(int argc, char **argv) {
   memset(&run, 0, sizeof run);
   code = cli_begin(&run.cli, &program, argc, argv);
   if (code < 0) code = run_body(&run);
-  if (run.doc && conceg_doc_close(run.doc) != CONCEG_OK && code == EXIT_OK) code = cli_fail_status(&run.cli, CONCEG_E_IO);
+  if (run.doc && conceg_doc_close(run.doc) != CONCEG_OK && code == EXIT_OK)
+    code = cli_fail_status(&run.cli, CONCEG_E_IO);
   conceg_recipe_free(run.recipe);
   conceg_registry_free(run.registry);
   words_free(&run.kinds);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * The words of the umbrella that are not stages. Each takes argv from its own word on and returns an exit code. */
+ * The words of the umbrella that are not stages. Each takes argv from its own word on and returns an exit
+ * code. */
 #ifndef CONCEG_APPS_TOOLS_H
 #define CONCEG_APPS_TOOLS_H
 

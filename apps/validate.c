@@ -15,10 +15,13 @@ struct report {
 static void print_problem(void *user, const conceg_problem *problem) {
   struct report *report = user;
   const int is_error = problem->severity == 0;
-  if (is_error) report->errors++;
-  else report->warnings++;
+  if (is_error)
+    report->errors++;
+  else
+    report->warnings++;
   if (!report->as_json) {
-    printf("%s %s %s: expected %s, got %s\n", is_error ? "error" : "warning", problem->rule, problem->path, problem->expected, problem->got);
+    printf("%s %s %s: expected %s, got %s\n", is_error ? "error" : "warning", problem->rule, problem->path,
+           problem->expected, problem->got);
     return;
   }
   json_open(&report->json, NULL, '{');
@@ -40,8 +43,10 @@ static int validate_file(struct cli *cli, const char *name, const char *group) {
   list_arrays(cli, doc, group ? group : "/", &arrays);
   if (report.as_json) json_open(&report.json, NULL, '{'), json_open(&report.json, "problems", '[');
   status = conceg_doc_validate(doc, group, print_problem, &report);
-  if (status != CONCEG_OK && status != CONCEG_E_FORMAT) code = cli_fail_status(cli, status);
-  else if (status != CONCEG_OK) code = EXIT_INPUT;
+  if (status != CONCEG_OK && status != CONCEG_E_FORMAT)
+    code = cli_fail_status(cli, status);
+  else if (status != CONCEG_OK)
+    code = EXIT_INPUT;
   if (report.as_json) {
     json_close(&report.json, ']');
     json_text(&report.json, "file", name ? name : "-");
@@ -51,8 +56,9 @@ static int validate_file(struct cli *cli, const char *name, const char *group) {
     json_flag(&report.json, "valid", code == EXIT_OK);
     json_close(&report.json, '}');
   } else {
-    printf("%s: %s: %u arrays and attributes checked against CGX %u.%u, %llu errors, %llu warnings\n", name ? name : "standard input",
-           code == EXIT_OK ? "valid" : "NOT VALID", arrays.count, CONCEG_CGX_MAJOR, CONCEG_CGX_MINOR, (unsigned long long)report.errors,
+    printf("%s: %s: %u arrays and attributes checked against CGX %u.%u, %llu errors, %llu warnings\n",
+           name ? name : "standard input", code == EXIT_OK ? "valid" : "NOT VALID", arrays.count,
+           CONCEG_CGX_MAJOR, CONCEG_CGX_MINOR, (unsigned long long)report.errors,
            (unsigned long long)report.warnings);
   }
   words_free(&arrays);
@@ -62,16 +68,19 @@ static int validate_file(struct cli *cli, const char *name, const char *group) {
 
 int tool_validate(int argc, char **argv) {
   const char *group = NULL;
-  const struct cli_option options[] = {{"group", 0, "GROUP", "check only this group, such as /cells", NULL, &group, NULL},
-                                       {NULL, 0, NULL, NULL, NULL, NULL, NULL}};
+  const struct cli_option options[] = {
+      {"group", 0, "GROUP", "check only this group, such as /cells", NULL, &group, NULL},
+      {NULL, 0, NULL, NULL, NULL, NULL, NULL}};
   const struct cli_program program = {.name = "conceg validate",
                                       .usage = "[FILE.cgx] [options]",
-                                      .summary = "check a document against every rule of the format (spec/cgx.md)",
+                                      .summary =
+                                          "check a document against every rule of the format (spec/cgx.md)",
                                       .example = "conceg validate cube.cgx && echo good",
                                       .options = options,
                                       .most_words = 1};
   struct cli cli;
   int code = cli_begin(&cli, &program, argc, argv);
-  if (code < 0) code = cli_close_stdout(&cli, validate_file(&cli, cli.words.count ? cli.words.word[0] : NULL, group));
+  if (code < 0)
+    code = cli_close_stdout(&cli, validate_file(&cli, cli.words.count ? cli.words.word[0] : NULL, group));
   return cli_end(&cli, code);
 }

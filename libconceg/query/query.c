@@ -89,12 +89,12 @@ static const query_surface *locate_point(const conceg_query *query, const double
     scene_hit first, second;
     for (axis = 0; axis < 3; axis++) direction[axis] = directions[k][axis] / length;
     query_scene_trace(query, point, direction, query->reach, &first, &second);
-    if (first.surface == UINT32_MAX) return NULL;
+    if (first.image == UINT32_MAX) return NULL;
     cosine = dot(first.normal, direction);
     surface = cosine > 0.0 ? &query->surfaces[first.surface] : NULL;
     *face = first.face;
     if (fabs(cosine) < GRAZING_COSINE) continue;
-    if (second.surface != UINT32_MAX && second.distance - first.distance < TIE_UM && dot(second.normal, direction) * cosine <= 0.0) continue;
+    if (second.image != UINT32_MAX && second.distance - first.distance < TIE_UM && dot(second.normal, direction) * cosine <= 0.0) continue;
     break;
   }
   return surface;
@@ -124,7 +124,7 @@ conceg_status conceg_query_intersect(const conceg_query *query, uint64_t count, 
       return CONCEG_E_RANGE;
     query_scene_trace(query, origin + 3 * i, d, length[i], &first, &second);
     out[i] = nothing;
-    if (first.surface == UINT32_MAX) continue;
+    if (first.image == UINT32_MAX) continue;
     out[i].distance = first.distance;
     out[i].normal[0] = first.normal[0], out[i].normal[1] = first.normal[1], out[i].normal[2] = first.normal[2];
     out[i].cell = query->surfaces[first.surface].cell;

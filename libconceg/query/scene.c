@@ -22,12 +22,13 @@ static float round_up(double x) {
 static void image_corners(const conceg_query *query, const triangle_image *image, double corner[3][3]) {
   const query_surface *surface = &query->surfaces[image->surface];
   const uint32_t *face = surface->face + 3 * (uint64_t)image->face;
+  double shift[3];
   int k, axis;
-  for (k = 0; k < 3; k++)
-    for (axis = 0; axis < 3; axis++) {
-      corner[k][axis] = surface->vertex[3 * (uint64_t)face[k] + axis];
-      if (image->lift[axis]) corner[k][axis] += image->lift[axis] * conceg_box_side(&query->box, axis);
-    }
+  for (axis = 0; axis < 3; axis++) shift[axis] = image->lift[axis] * (query->box.hi[axis] - query->box.lo[axis]);
+  for (k = 0; k < 3; k++) {
+    const double *vertex = surface->vertex + 3 * (uint64_t)face[k];
+    for (axis = 0; axis < 3; axis++) corner[k][axis] = vertex[axis] + shift[axis];
+  }
 }
 
 /* Range of lifts at which the face's bounds meet the widened box; returns the number of images, or -1 beyond the limit. */
@@ -134,6 +135,15 @@ typedef struct traversal {
   scene_hit *first, *second;
 } traversal;
 
+/* Which face the hit belongs to, and its normal: looked up once the nearest ones are known. */
+static void complete(const conceg_query *query, scene_hit *hit) {
+  double corner[3][3];
+  if (hit->image == UINT32_MAX) return;
+  image_corners(query, &query->images[hit->image], corner);
+  query_triangle_normal(corner[0], corner[1], corner[2], hit->normal);
+  hit->surface = query->images[hit->image].surface, hit->face = query->images[hit->image].face;
+}
+
 static int nearer(const scene_hit *a, const scene_hit *b) {
   return a->distance < b->distance || (a->distance == b->distance && a->order < b->order);
 }
@@ -149,9 +159,8 @@ static void image_intersect(const struct RTCIntersectFunctionNArguments *argumen
   if (!query_ray_triangle(&walk->ray, corner[0], corner[1], corner[2], &distance)) return;
   if (!(distance >= walk->from && distance <= walk->to)) return;
   hit.distance = distance;
-  hit.surface = image->surface, hit.face = image->face;
+  hit.image = arguments->primID;
   hit.order = query->surfaces[image->surface].first_face + image->face;
-  query_triangle_normal(corner[0], corner[1], corner[2], hit.normal);
   if (nearer(&hit, walk->first)) {
     *walk->second = *walk->first;
     *walk->first = hit;
@@ -249,7 +258,7 @@ void query_scene_trace(const conceg_query *query, const double origin[3], const 
   int axis;
   first->distance = second->distance = INFINITY;
   first->order = second->order = UINT64_MAX;
-  first->surface = second->surface = UINT32_MAX;
+  first->image = second->image = UINT32_MAX;
   rtcInitIntersectContext(&walk.context);
   walk.first = first, walk.second = second;
   for (axis = 0; axis < 3; axis++) wrapped[axis] = shifted[axis] = conceg_box_wrap(&query->box, axis, origin[axis]);
@@ -267,9 +276,11 @@ void query_scene_trace(const conceg_query *query, const double origin[3], const 
     /* Widened by the margin, so that a face lying in a side of the box is found on either side of it. */
     walk.from = fmax(0.0, entered - query->margin), walk.to = fmin(length, left + query->margin);
     if (walk.to >= walk.from) trace_segment(query, &walk, walk.from, walk.to);
-    if (first->surface != UINT32_MAX || through < 0 || left >= length) return;
+    if (first->image != UINT32_MAX || through < 0 || left >= length) break;
     crossed[through] += direction[through] > 0.0 ? 1 : -1;
     shifted[through] = wrapped[through] - (double)crossed[through] * conceg_box_side(&query->box, through);
     entered = left;
   }
+  complete(query, first);
+  complete(query, second);
 }

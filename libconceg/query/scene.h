@@ -39,12 +39,13 @@ struct conceg_query {
   RTCScene scene;
 };
 
-/* A face met by a ray; surface UINT32_MAX = none. */
+/* A face met by a ray. */
 typedef struct scene_hit {
   double distance;
   uint64_t order; /* index among all faces: settles equal distances */
+  uint32_t image; /* UINT32_MAX = none */
   uint32_t surface, face;
-  double normal[3];
+  double normal[3]; /* outward, unit */
 } scene_hit;
 
 /* Fills images and the Embree scene of a query whose box and surfaces are set. */

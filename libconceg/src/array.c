@@ -13,29 +13,37 @@ static const uint64_t block_bytes = (uint64_t)4 << 20;
 size_t conceg_dtype_bytes(conceg_dtype dtype) {
   switch (dtype) {
   case CONCEG_U8:
-  case CONCEG_I8: return 1;
+  case CONCEG_I8:
+    return 1;
   case CONCEG_U32:
   case CONCEG_I32:
-  case CONCEG_F32: return 4;
+  case CONCEG_F32:
+    return 4;
   case CONCEG_U64:
   case CONCEG_I64:
-  case CONCEG_F64: return 8;
-  default: return 0;
+  case CONCEG_F64:
+    return 8;
+  default:
+    return 0;
   }
 }
 
 const char *conceg_dtype_name(conceg_dtype dtype) {
-  static const char *const names[] = {"unknown", "u8", "i8", "u32", "i32", "u64", "i64", "f32", "f64", "text"};
+  static const char *const names[] = {"unknown", "u8",  "i8",  "u32", "i32",
+                                      "u64",     "i64", "f32", "f64", "text"};
   return dtype >= CONCEG_U8 && dtype <= CONCEG_TEXT ? names[dtype] : names[0];
 }
 
 uint64_t conceg_array_count(const conceg_array *array) {
   uint64_t count = 1;
-  for (uint32_t axis = 0; axis < array->rank && axis < 4; axis++) count *= array->shape[axis];
+  for (uint32_t axis = 0; axis < array->rank && axis < 4; axis++)
+    count *= array->shape[axis];
   return count;
 }
 
-int conceg_doc_has(const conceg_doc *doc, const char *path) { return tree_find(doc->root, path) != NULL; }
+int conceg_doc_has(const conceg_doc *doc, const char *path) {
+  return tree_find(doc->root, path) != NULL;
+}
 
 static conceg_status new_store(conceg_doc *doc, const struct entry *entry, struct store *out) {
   return store_new(&doc->budget, entry->path, entry_bytes(entry), out);
@@ -45,18 +53,23 @@ conceg_status doc_load(conceg_doc *doc, struct entry *entry) {
   if (entry->store.data) return CONCEG_OK;
   struct store store = {0};
   conceg_status status;
-  if (entry->dtype == CONCEG_TEXT) status = h5_read_texts(&doc->budget, doc->file, entry, &store);
+  if (entry->dtype == CONCEG_TEXT)
+    status = h5_read_texts(&doc->budget, doc->file, entry, &store);
   else if ((status = new_store(doc, entry, &store)) == CONCEG_OK)
-    status = h5_read_rows(doc->budget.ctx, doc->file, entry, 0, entry->rank ? entry->shape[0] : 1, store.data);
-  if (status == CONCEG_OK) entry->store = store;
-  else store_free(&doc->budget, &store);
+    status =
+        h5_read_rows(doc->budget.ctx, doc->file, entry, 0, entry->rank ? entry->shape[0] : 1, store.data);
+  if (status == CONCEG_OK)
+    entry->store = store;
+  else
+    store_free(&doc->budget, &store);
   return status;
 }
 
 conceg_status doc_each_block(conceg_doc *doc, const struct entry *entry, block_fn fn, void *user) {
   const uint64_t values = entry_count(entry);
   if (!values) return CONCEG_OK;
-  const uint64_t rows = entry->rank ? entry->shape[0] : 1, row = values / rows, row_bytes = entry_bytes(entry) / rows;
+  const uint64_t rows = entry->rank ? entry->shape[0] : 1, row = values / rows,
+                 row_bytes = entry_bytes(entry) / rows;
   uint64_t step = row_bytes < block_bytes ? block_bytes / row_bytes : 1;
   if (step > rows) step = rows;
   void *buffer = NULL;
@@ -75,10 +88,13 @@ conceg_status doc_each_block(conceg_doc *doc, const struct entry *entry, block_f
 
 conceg_status conceg_doc_read(conceg_doc *doc, const char *path, conceg_array *out) {
   conceg_ctx *ctx = doc->budget.ctx;
-  if (out->size < sizeof *out) return conceg_ctx_fail(ctx, CONCEG_E_USAGE, "%s: conceg_array.size is not set", path);
+  if (out->size < sizeof *out)
+    return conceg_ctx_fail(ctx, CONCEG_E_USAGE, "%s: conceg_array.size is not set", path);
   struct entry *entry = tree_find(doc->root, path);
-  if (!entry) return conceg_ctx_fail(ctx, CONCEG_E_MISSING, "%s: expected in the document, but it is not there", path);
-  if (entry->kind == ENTRY_GROUP) return conceg_ctx_fail(ctx, CONCEG_E_MISSING, "%s: expected a dataset, got a group", path);
+  if (!entry)
+    return conceg_ctx_fail(ctx, CONCEG_E_MISSING, "%s: expected in the document, but it is not there", path);
+  if (entry->kind == ENTRY_GROUP)
+    return conceg_ctx_fail(ctx, CONCEG_E_MISSING, "%s: expected a dataset, got a group", path);
   if (entry->kind == ENTRY_OPAQUE)
     return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s: expected numbers or text, got %s", path, entry->why);
   const conceg_status status = doc_load(doc, entry);
@@ -94,14 +110,16 @@ conceg_status conceg_doc_read(conceg_doc *doc, const char *path, conceg_array *o
 }
 
 /* The size in bytes of a new array, or E_PARAM. */
-static conceg_status check_shape(conceg_ctx *ctx, const char *path, conceg_dtype dtype, uint32_t rank, const uint64_t *shape,
-                                 uint64_t *count) {
+static conceg_status check_shape(conceg_ctx *ctx, const char *path, conceg_dtype dtype, uint32_t rank,
+                                 const uint64_t *shape, uint64_t *count) {
   const size_t width = dtype == CONCEG_TEXT ? sizeof(char *) : conceg_dtype_bytes(dtype);
   uint64_t bytes = width;
   *count = 1;
-  if (!width) return conceg_ctx_fail(ctx, CONCEG_E_PARAM, "%s: expected an array type, got %d", path, (int)dtype);
+  if (!width)
+    return conceg_ctx_fail(ctx, CONCEG_E_PARAM, "%s: expected an array type, got %d", path, (int)dtype);
   if (rank > (dtype == CONCEG_TEXT ? 1u : 4u))
-    return conceg_ctx_fail(ctx, CONCEG_E_PARAM, "%s: expected rank 0 to %d, got %u", path, dtype == CONCEG_TEXT ? 1 : 4, rank);
+    return conceg_ctx_fail(ctx, CONCEG_E_PARAM, "%s: expected rank 0 to %d, got %u", path,
+                           dtype == CONCEG_TEXT ? 1 : 4, rank);
   for (uint32_t axis = 0; axis < rank; axis++) {
     if (__builtin_mul_overflow(bytes, shape[axis], &bytes))
       return conceg_ctx_fail(ctx, CONCEG_E_PARAM, "%s: the array would have more than 2^64 bytes", path);
@@ -111,7 +129,8 @@ static conceg_status check_shape(conceg_ctx *ctx, const char *path, conceg_dtype
 }
 
 static int is_reserved(const char *path) {
-  static const char *const reserved[] = {"/@format", "/@version", "/@length_unit", "/@time_unit", "/@complete"};
+  static const char *const reserved[] = {"/@format", "/@version", "/@length_unit", "/@time_unit",
+                                         "/@complete"};
   for (size_t i = 0; i < sizeof reserved / sizeof *reserved; i++)
     if (strcmp(path, reserved[i]) == 0) return 1;
   return 0;
@@ -150,9 +169,11 @@ static int owner_is_dataset(const conceg_doc *doc, const char *path) {
 static conceg_status find_place(conceg_doc *doc, const char *path, struct place *place) {
   conceg_ctx *ctx = doc->budget.ctx;
   if (!path_is_valid(path) || is_reserved(path))
-    return conceg_ctx_fail(ctx, CONCEG_E_PARAM, "%s: %s", path ? path : "(null)",
-                           path && path_is_valid(path) ? "is written by the library itself"
-                                                       : "expected a path like /group/name or /group@name (letters, digits, _ . + -)");
+    return conceg_ctx_fail(
+        ctx, CONCEG_E_PARAM, "%s: %s", path ? path : "(null)",
+        path && path_is_valid(path)
+            ? "is written by the library itself"
+            : "expected a path like /group/name or /group@name (letters, digits, _ . + -)");
   *place = (struct place){.parent = doc->root};
   const char *at = path + 1;
   for (;;) {
@@ -162,10 +183,12 @@ static conceg_status find_place(conceg_doc *doc, const char *path, struct place 
     const int last = at[length] == '@'; /* the owner of an attribute may be a dataset */
     if (child && child->kind != ENTRY_GROUP && !(last && child->kind == ENTRY_ARRAY))
       return conceg_ctx_fail(ctx, CONCEG_E_PARAM, "%s: %s is a dataset, expected a group", path, child->path);
-    if (child) place->parent = child;
+    if (child)
+      place->parent = child;
     else {
       if (last && owner_is_dataset(doc, path))
-        return conceg_ctx_fail(ctx, CONCEG_E_MISSING, "%s: the dataset that the attribute belongs to is not there", path);
+        return conceg_ctx_fail(ctx, CONCEG_E_MISSING,
+                               "%s: the dataset that the attribute belongs to is not there", path);
       const conceg_status status = make_group(doc, at, length, place);
       if (status != CONCEG_OK) return status;
     }
@@ -175,7 +198,8 @@ static conceg_status find_place(conceg_doc *doc, const char *path, struct place 
   place->name = at + place->attribute;
   struct entry *old = entry_child(place->parent, place->name, strlen(place->name), place->attribute);
   if (old && old->kind == ENTRY_GROUP)
-    return conceg_ctx_fail(ctx, CONCEG_E_PARAM, "%s: is a group; drop it before a dataset takes its name", path);
+    return conceg_ctx_fail(ctx, CONCEG_E_PARAM, "%s: is a group; drop it before a dataset takes its name",
+                           path);
   return CONCEG_OK;
 }
 
@@ -206,14 +230,17 @@ static conceg_status add_unit(conceg_doc *doc, struct entry *dataset, const char
   return status;
 }
 
-static conceg_status put_array(conceg_doc *doc, const char *path, const conceg_array *array, struct entry **out) {
+static conceg_status put_array(conceg_doc *doc, const char *path, const conceg_array *array,
+                               struct entry **out) {
   uint64_t count = 0;
-  conceg_status status = check_shape(doc->budget.ctx, path ? path : "(null)", array->dtype, array->rank, array->shape, &count);
+  conceg_status status =
+      check_shape(doc->budget.ctx, path ? path : "(null)", array->dtype, array->rank, array->shape, &count);
   if (status != CONCEG_OK) return status;
   struct place place = {0};
   status = find_place(doc, path, &place);
   struct entry *entry = NULL;
-  if (status == CONCEG_OK && !(entry = entry_new(ENTRY_ARRAY, place.parent, place.name, place.attribute, doc->schema)))
+  if (status == CONCEG_OK &&
+      !(entry = entry_new(ENTRY_ARRAY, place.parent, place.name, place.attribute, doc->schema)))
     status = conceg_ctx_fail(doc->budget.ctx, CONCEG_E_NOMEM, "%s: out of memory", path);
   if (status == CONCEG_OK) {
     entry->dtype = array->dtype;
@@ -234,33 +261,39 @@ static conceg_status put_array(conceg_doc *doc, const char *path, const conceg_a
   return CONCEG_OK;
 }
 
-static conceg_status check_texts(conceg_ctx *ctx, const char *path, const char *const *strings, uint64_t count) {
+static conceg_status check_texts(conceg_ctx *ctx, const char *path, const char *const *strings,
+                                 uint64_t count) {
   for (uint64_t i = 0; i < count; i++)
     if (!strings[i] || !text_is_utf8(strings[i]))
-      return conceg_ctx_fail(ctx, CONCEG_E_PARAM, "%s[%llu]: expected UTF-8 text, got %s", path, (unsigned long long)i,
-                             strings[i] ? "other bytes" : "NULL");
+      return conceg_ctx_fail(ctx, CONCEG_E_PARAM, "%s[%llu]: expected UTF-8 text, got %s", path,
+                             (unsigned long long)i, strings[i] ? "other bytes" : "NULL");
   return CONCEG_OK;
 }
 
 conceg_status conceg_doc_write(conceg_doc *doc, const char *path, const conceg_array *array) {
   conceg_ctx *ctx = doc->budget.ctx;
-  if (array->size < sizeof *array) return conceg_ctx_fail(ctx, CONCEG_E_USAGE, "%s: conceg_array.size is not set", path);
+  if (array->size < sizeof *array)
+    return conceg_ctx_fail(ctx, CONCEG_E_USAGE, "%s: conceg_array.size is not set", path);
   uint64_t count = 0;
-  conceg_status status = check_shape(ctx, path ? path : "(null)", array->dtype, array->rank, array->shape, &count);
+  conceg_status status =
+      check_shape(ctx, path ? path : "(null)", array->dtype, array->rank, array->shape, &count);
   if (status != CONCEG_OK) return status;
   if (count && !array->data) return conceg_ctx_fail(ctx, CONCEG_E_PARAM, "%s: expected data, got NULL", path);
-  if (array->dtype == CONCEG_TEXT && (status = check_texts(ctx, path, array->data, count)) != CONCEG_OK) return status;
+  if (array->dtype == CONCEG_TEXT && (status = check_texts(ctx, path, array->data, count)) != CONCEG_OK)
+    return status;
   if (array->unit && (status = check_texts(ctx, path, &array->unit, 1)) != CONCEG_OK) return status;
   return put_array(doc, path, array, NULL);
 }
 
-conceg_status conceg_doc_new_array(conceg_doc *doc, const char *path, conceg_dtype dtype, uint32_t rank, const uint64_t *shape,
-                                   void **storage) {
+conceg_status conceg_doc_new_array(conceg_doc *doc, const char *path, conceg_dtype dtype, uint32_t rank,
+                                   const uint64_t *shape, void **storage) {
   *storage = NULL;
   if (dtype == CONCEG_TEXT)
-    return conceg_ctx_fail(doc->budget.ctx, CONCEG_E_PARAM, "%s: text cannot be filled in place; use conceg_doc_write", path);
+    return conceg_ctx_fail(doc->budget.ctx, CONCEG_E_PARAM,
+                           "%s: text cannot be filled in place; use conceg_doc_write", path);
   conceg_array array = {.size = sizeof array, .dtype = dtype, .rank = rank};
-  for (uint32_t axis = 0; axis < rank && axis < 4; axis++) array.shape[axis] = shape[axis];
+  for (uint32_t axis = 0; axis < rank && axis < 4; axis++)
+    array.shape[axis] = shape[axis];
   struct entry *entry = NULL;
   const conceg_status status = put_array(doc, path, &array, &entry);
   if (status == CONCEG_OK) *storage = entry->store.data;
@@ -273,7 +306,8 @@ conceg_status conceg_doc_read_text(conceg_doc *doc, const char *path, const char
   const conceg_status status = conceg_doc_read(doc, path, &array);
   if (status != CONCEG_OK) return status;
   if (array.dtype != CONCEG_TEXT || conceg_array_count(&array) != 1)
-    return conceg_ctx_fail(doc->budget.ctx, CONCEG_E_FORMAT, "%s: expected one text, got %llu values of type %s", path,
+    return conceg_ctx_fail(doc->budget.ctx, CONCEG_E_FORMAT,
+                           "%s: expected one text, got %llu values of type %s", path,
                            (unsigned long long)conceg_array_count(&array), conceg_dtype_name(array.dtype));
   *out = *(const char *const *)array.data;
   return CONCEG_OK;
@@ -286,7 +320,8 @@ conceg_status conceg_doc_write_text(conceg_doc *doc, const char *path, const cha
 
 conceg_status conceg_doc_drop(conceg_doc *doc, const char *path) {
   if (!path || path[0] != '/' || strcmp(path, "/") == 0 || is_reserved(path))
-    return conceg_ctx_fail(doc->budget.ctx, CONCEG_E_PARAM, "%s: cannot be dropped: expected a group, dataset or attribute below /",
+    return conceg_ctx_fail(doc->budget.ctx, CONCEG_E_PARAM,
+                           "%s: cannot be dropped: expected a group, dataset or attribute below /",
                            path ? path : "(null)");
   struct entry *entry = tree_find(doc->root, path);
   if (!entry) return CONCEG_OK;

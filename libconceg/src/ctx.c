@@ -117,19 +117,34 @@ void conceg_ctx_set_progress(conceg_ctx *ctx, conceg_progress_fn fn, void *user)
   pthread_mutex_unlock(&ctx->progress_mutex);
 }
 
-void conceg_ctx_set_seed(conceg_ctx *ctx, uint64_t seed) { ctx->seed = seed; }
-uint64_t conceg_ctx_seed(const conceg_ctx *ctx) { return ctx->seed; }
-void conceg_ctx_set_threads(conceg_ctx *ctx, uint32_t threads) { ctx->threads = threads ? threads : processors(); }
-uint32_t conceg_ctx_threads(const conceg_ctx *ctx) { return ctx->threads; }
-void conceg_ctx_set_memory(conceg_ctx *ctx, uint64_t bytes) { ctx->memory = bytes; }
-uint64_t conceg_ctx_memory(const conceg_ctx *ctx) { return ctx->memory; }
-const char *conceg_ctx_tmpdir(const conceg_ctx *ctx) { return ctx->tmpdir; }
+void conceg_ctx_set_seed(conceg_ctx *ctx, uint64_t seed) {
+  ctx->seed = seed;
+}
+uint64_t conceg_ctx_seed(const conceg_ctx *ctx) {
+  return ctx->seed;
+}
+void conceg_ctx_set_threads(conceg_ctx *ctx, uint32_t threads) {
+  ctx->threads = threads ? threads : processors();
+}
+uint32_t conceg_ctx_threads(const conceg_ctx *ctx) {
+  return ctx->threads;
+}
+void conceg_ctx_set_memory(conceg_ctx *ctx, uint64_t bytes) {
+  ctx->memory = bytes;
+}
+uint64_t conceg_ctx_memory(const conceg_ctx *ctx) {
+  return ctx->memory;
+}
+const char *conceg_ctx_tmpdir(const conceg_ctx *ctx) {
+  return ctx->tmpdir;
+}
 
 conceg_status conceg_ctx_set_tmpdir(conceg_ctx *ctx, const char *path) {
   struct stat info;
   if (!path || !*path) path = default_tmpdir();
   if (stat(path, &info) != 0 || !S_ISDIR(info.st_mode) || access(path, W_OK | X_OK) != 0)
-    return conceg_ctx_fail(ctx, CONCEG_E_IO, "temporary folder: %s: expected a folder that can be written to", path);
+    return conceg_ctx_fail(ctx, CONCEG_E_IO, "temporary folder: %s: expected a folder that can be written to",
+                           path);
   char *copy = strdup(path);
   if (!copy) return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "temporary folder: out of memory");
   free(ctx->tmpdir);
@@ -146,7 +161,9 @@ static void format_line(char line[LINE_BYTES], const char *format, va_list argum
     if ((unsigned char)*c < 0x20 || *c == 0x7f) *c = ' ';
 }
 
-const char *conceg_ctx_error(const conceg_ctx *ctx) { return ctx->error; }
+const char *conceg_ctx_error(const conceg_ctx *ctx) {
+  return ctx->error;
+}
 
 void conceg_ctx_clear_error(conceg_ctx *ctx) {
   pthread_mutex_lock(&ctx->error_mutex);
@@ -182,9 +199,11 @@ void conceg_ctx_log(conceg_ctx *ctx, conceg_log_level level, const char *format,
 conceg_status conceg_ctx_progress(conceg_ctx *ctx, const char *what, uint64_t done, uint64_t total) {
   /* A worker never waits for another one's report; only the last report of a loop must arrive. */
   const int last = total && done >= total;
-  const int locked = last ? pthread_mutex_lock(&ctx->progress_mutex) == 0 : pthread_mutex_trylock(&ctx->progress_mutex) == 0;
+  const int locked =
+      last ? pthread_mutex_lock(&ctx->progress_mutex) == 0 : pthread_mutex_trylock(&ctx->progress_mutex) == 0;
   if (locked) {
-    if (!atomic_load(&ctx->cancelled) && ctx->progress && ctx->progress(ctx->progress_user, what, done, total))
+    if (!atomic_load(&ctx->cancelled) && ctx->progress &&
+        ctx->progress(ctx->progress_user, what, done, total))
       atomic_store(&ctx->cancelled, 1);
     pthread_mutex_unlock(&ctx->progress_mutex);
   }
@@ -227,14 +246,17 @@ void conceg_ctx_count(conceg_ctx *ctx, const char *name, uint32_t worker, uint64
   if (!counter) return; /* counters only inform */
   __atomic_fetch_add(&counter->value[worker], add, __ATOMIC_RELAXED);
   uint32_t seen = __atomic_load_n(&counter->workers, __ATOMIC_RELAXED);
-  while (seen < worker + 1 &&
-         !__atomic_compare_exchange_n(&counter->workers, &seen, worker + 1, 0, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+  while (seen < worker + 1 && !__atomic_compare_exchange_n(&counter->workers, &seen, worker + 1, 0,
+                                                           __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
   }
 }
 
-uint32_t conceg_ctx_counters(const conceg_ctx *ctx) { return atomic_load(&ctx->counters); }
+uint32_t conceg_ctx_counters(const conceg_ctx *ctx) {
+  return atomic_load(&ctx->counters);
+}
 
-const char *conceg_ctx_counter(const conceg_ctx *ctx, uint32_t index, const uint64_t **values, uint32_t *workers) {
+const char *conceg_ctx_counter(const conceg_ctx *ctx, uint32_t index, const uint64_t **values,
+                               uint32_t *workers) {
   if (index >= atomic_load(&ctx->counters)) return NULL;
   const struct counter *counter = atomic_load(&ctx->counter[index]);
   if (values) *values = counter->value;

@@ -7,7 +7,8 @@
 
 struct schema;
 
-/* The compiled spec/schema.yaml, made on first use and kept with the context. NULL (with the error set) when out of memory. */
+/* The compiled spec/schema.yaml, made on first use and kept with the context. NULL (with the error set) when
+ * out of memory. */
 const struct schema *ctx_schema(conceg_ctx *ctx);
 
 #endif

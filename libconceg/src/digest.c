@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Content digests (spec/cgx.md): a group's digest is over one line per array below it, "path type shape sha256-of-values".
- * Digests of values are kept with the array, so that unchanged arrays are read once. */
+ * Content digests (spec/cgx.md): a group's digest is over one line per array below it, "path type shape
+ * sha256-of-values". Digests of values are kept with the array, so that unchanged arrays are read once. */
 #define _POSIX_C_SOURCE 200809L
 #include "doc_internal.h"
 #include "sha256.h"
@@ -25,7 +25,8 @@ static conceg_status add_texts(conceg_doc *doc, const struct entry *entry, struc
     if (status != CONCEG_OK) return status;
   }
   const char *const *strings = entry->store.data ? entry->store.data : loaded.data;
-  for (uint64_t i = 0; i < entry_count(entry); i++) sha256_add(hash, strings[i], strlen(strings[i]) + 1);
+  for (uint64_t i = 0; i < entry_count(entry); i++)
+    sha256_add(hash, strings[i], strlen(strings[i]) + 1);
   store_free(&apart, &loaded);
   return CONCEG_OK;
 }
@@ -35,8 +36,8 @@ static conceg_status digest_values(conceg_doc *doc, struct entry *entry) {
   struct sha256 hash;
   sha256_start(&hash);
   void *user[2] = {&hash, entry};
-  const conceg_status status =
-      entry->dtype == CONCEG_TEXT ? add_texts(doc, entry, &hash) : doc_each_block(doc, entry, add_block, user);
+  const conceg_status status = entry->dtype == CONCEG_TEXT ? add_texts(doc, entry, &hash)
+                                                           : doc_each_block(doc, entry, add_block, user);
   if (status != CONCEG_OK) return status;
   sha256_end(&hash, entry->digest);
   entry->digested = 1;
@@ -49,7 +50,8 @@ static conceg_status add_array(conceg_doc *doc, struct entry *entry, struct sha2
   char hex[65], line[256];
   int length = snprintf(line, sizeof line, " %s [", conceg_dtype_name(entry->dtype));
   for (uint32_t axis = 0; axis < entry->rank; axis++)
-    length += snprintf(line + length, sizeof line - (size_t)length, "%s%llu", axis ? "," : "", (unsigned long long)entry->shape[axis]);
+    length += snprintf(line + length, sizeof line - (size_t)length, "%s%llu", axis ? "," : "",
+                       (unsigned long long)entry->shape[axis]);
   sha256_hex(entry->digest, hex);
   length += snprintf(line + length, sizeof line - (size_t)length, "] %s\n", hex);
   sha256_add(hash, entry->path, strlen(entry->path));
@@ -78,13 +80,17 @@ static struct entry **sorted(struct entry *const *list, size_t count) {
   return copy;
 }
 
-static conceg_status add_entry(conceg_doc *doc, struct entry *entry, const struct entry *top, struct sha256 *hash) {
+static conceg_status add_entry(conceg_doc *doc, struct entry *entry, const struct entry *top,
+                               struct sha256 *hash) {
   if (is_left_out(entry, top)) return CONCEG_OK;
   conceg_status status = entry->kind == ENTRY_ARRAY ? add_array(doc, entry, hash) : CONCEG_OK;
   struct entry **attr = sorted(entry->attr, entry->attrs), **child = sorted(entry->child, entry->children);
-  if (!attr || !child) status = conceg_ctx_fail(doc->budget.ctx, CONCEG_E_NOMEM, "%s: out of memory", entry->path);
-  for (size_t i = 0; i < entry->attrs && status == CONCEG_OK; i++) status = add_entry(doc, attr[i], top, hash);
-  for (size_t i = 0; i < entry->children && status == CONCEG_OK; i++) status = add_entry(doc, child[i], top, hash);
+  if (!attr || !child)
+    status = conceg_ctx_fail(doc->budget.ctx, CONCEG_E_NOMEM, "%s: out of memory", entry->path);
+  for (size_t i = 0; i < entry->attrs && status == CONCEG_OK; i++)
+    status = add_entry(doc, attr[i], top, hash);
+  for (size_t i = 0; i < entry->children && status == CONCEG_OK; i++)
+    status = add_entry(doc, child[i], top, hash);
   free(attr);
   free(child);
   return status;
@@ -92,7 +98,9 @@ static conceg_status add_entry(conceg_doc *doc, struct entry *entry, const struc
 
 conceg_status conceg_doc_digest(conceg_doc *doc, const char *group, char hex[65]) {
   struct entry *entry = tree_find(doc->root, group);
-  if (!entry) return conceg_ctx_fail(doc->budget.ctx, CONCEG_E_MISSING, "%s: expected in the document, but it is not there", group);
+  if (!entry)
+    return conceg_ctx_fail(doc->budget.ctx, CONCEG_E_MISSING,
+                           "%s: expected in the document, but it is not there", group);
   struct sha256 hash;
   uint8_t digest[32];
   sha256_start(&hash);

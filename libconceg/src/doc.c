@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * The document: making, opening and closing. */
 #define _POSIX_C_SOURCE 200809L
-#include "doc_internal.h"
 #include "ctx_internal.h"
+#include "doc_internal.h"
 #include "stream.h"
 #include "texts.h"
 
@@ -11,7 +11,9 @@
 
 static const char format_name[] = "conceg-interchange";
 
-static conceg_status out_of_memory(conceg_ctx *ctx) { return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "document: out of memory"); }
+static conceg_status out_of_memory(conceg_ctx *ctx) {
+  return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "document: out of memory");
+}
 
 static conceg_status make_empty(conceg_ctx *ctx, conceg_doc **out) {
   conceg_doc *doc = calloc(1, sizeof *doc);
@@ -32,8 +34,8 @@ static conceg_status make_empty(conceg_ctx *ctx, conceg_doc **out) {
 }
 
 /* Root attributes: the library writes them itself. */
-static conceg_status add_root(conceg_doc *doc, const char *name, conceg_dtype dtype, uint32_t rank, uint64_t count, const void *data,
-                              uint64_t bytes) {
+static conceg_status add_root(conceg_doc *doc, const char *name, conceg_dtype dtype, uint32_t rank,
+                              uint64_t count, const void *data, uint64_t bytes) {
   struct entry *entry = entry_new(ENTRY_ARRAY, doc->root, name, 1, doc->schema);
   if (!entry) return out_of_memory(doc->budget.ctx);
   entry->dtype = dtype;
@@ -60,8 +62,10 @@ conceg_status conceg_doc_new(conceg_ctx *ctx, conceg_doc **out) {
   if (status == CONCEG_OK) status = add_root(doc, "length_unit", CONCEG_TEXT, 0, 1, "um", 0);
   if (status == CONCEG_OK) status = add_root(doc, "time_unit", CONCEG_TEXT, 0, 1, "ms", 0);
   if (status == CONCEG_OK) status = add_root(doc, "complete", CONCEG_U8, 0, 1, &complete, sizeof complete);
-  if (status == CONCEG_OK) *out = doc;
-  else (void)conceg_doc_close(doc);
+  if (status == CONCEG_OK)
+    *out = doc;
+  else
+    (void)conceg_doc_close(doc);
   return status;
 }
 
@@ -76,19 +80,24 @@ static conceg_status check_root(const conceg_doc *doc) {
   const struct entry *format = root_attribute(doc, "format"), *version = root_attribute(doc, "version");
   const char *text = entry_text(format);
   if (!text || strcmp(text, format_name) != 0)
-    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s: /@format: not a CGX file: expected \"%s\", got %s (CGX-002)", name, format_name,
-                           text ? text : "nothing");
-  if (!version || version->kind != ENTRY_ARRAY || conceg_dtype_bytes(version->dtype) != 4 || version->dtype == CONCEG_F32 ||
-      version->rank != 1 || version->shape[0] != 2)
-    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s: /@version: expected two u32 numbers, got something else (CGX-003)", name);
+    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT,
+                           "%s: /@format: not a CGX file: expected \"%s\", got %s (CGX-002)", name,
+                           format_name, text ? text : "nothing");
+  if (!version || version->kind != ENTRY_ARRAY || conceg_dtype_bytes(version->dtype) != 4 ||
+      version->dtype == CONCEG_F32 || version->rank != 1 || version->shape[0] != 2)
+    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT,
+                           "%s: /@version: expected two u32 numbers, got something else (CGX-003)", name);
   const uint32_t *number = version->store.data;
   if (number[0] != CONCEG_CGX_MAJOR)
-    return conceg_ctx_fail(ctx, CONCEG_E_VERSION, "%s: /@version: expected major version %u, got %u.%u; use a ConCeG of that version (CGX-003)", name,
-                           CONCEG_CGX_MAJOR, number[0], number[1]);
+    return conceg_ctx_fail(
+        ctx, CONCEG_E_VERSION,
+        "%s: /@version: expected major version %u, got %u.%u; use a ConCeG of that version (CGX-003)", name,
+        CONCEG_CGX_MAJOR, number[0], number[1]);
   const struct entry *complete = root_attribute(doc, "complete");
   if (complete && complete->kind == ENTRY_ARRAY && complete->dtype == CONCEG_U8 && !complete->rank &&
       *(const uint8_t *)complete->store.data == 0)
-    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s: /@complete: expected 1, got 0: its writer did not finish (CGX-004)", name);
+    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT,
+                           "%s: /@complete: expected 1, got 0: its writer did not finish (CGX-004)", name);
   return CONCEG_OK;
 }
 
@@ -99,8 +108,10 @@ static conceg_status open_input(conceg_ctx *ctx, struct input *input, conceg_doc
     status = h5_open(ctx, input->path, input->name, input->length, &doc->file);
     if (status == CONCEG_OK) status = h5_scan(doc->file, &doc->budget, doc->schema, doc->root);
     if (status == CONCEG_OK) status = check_root(doc);
-    if (status == CONCEG_OK) *out = doc;
-    else (void)conceg_doc_close(doc);
+    if (status == CONCEG_OK)
+      *out = doc;
+    else
+      (void)conceg_doc_close(doc);
   }
   input_release(input);
   return status;
@@ -129,4 +140,6 @@ conceg_status conceg_doc_close(conceg_doc *doc) {
   return status;
 }
 
-void conceg_free(void *memory) { free(memory); }
+void conceg_free(void *memory) {
+  free(memory);
+}

@@ -15,8 +15,8 @@ struct conceg_doc {
   struct h5_file *file; /* the input; NULL for a new document */
 };
 
-/* Values of a numeric array in the order of storage, `count` of them from index `first` (whole rows). A status that is not
- * OK ends the walk. */
+/* Values of a numeric array in the order of storage, `count` of them from index `first` (whole rows). A
+ * status that is not OK ends the walk. */
 typedef conceg_status (*block_fn)(void *user, uint64_t first, uint64_t count, const void *values);
 
 /* Walks over an array in blocks, from memory or from the file, without keeping it. */

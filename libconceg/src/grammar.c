@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * The grammar of a recipe (spec/cli.md, rules R1 to R12): known keys, their forms and ranges, canonical order. */
+ * The grammar of a recipe (spec/cli.md, rules R1 to R12): known keys, their forms and ranges, canonical
+ * order. */
 #include "recipe.h"
 
 #include "ctx_internal.h"
@@ -8,21 +9,21 @@
 #include "conceg/run.h"
 
 enum form {
-  FORM_VERSION,   /* the number 1 */
+  FORM_VERSION, /* the number 1 */
   FORM_TEXT,
-  FORM_SEED,      /* whole number >= 0 */
+  FORM_SEED, /* whole number >= 0 */
   FORM_POSITIVE,
   FORM_NONNEGATIVE,
   FORM_VECTOR3,
   FORM_POSITIVE3,
   FORM_BOOL3,
-  FORM_RANGE,     /* [lo, hi], lo < hi */
+  FORM_RANGE, /* [lo, hi], lo < hi */
   FORM_NUMBER,
   FORM_WORDS,
-  FORM_MAP,       /* with `fields` */
-  FORM_LIST,      /* of maps with `fields` */
+  FORM_MAP,  /* with `fields` */
+  FORM_LIST, /* of maps with `fields` */
   FORM_CLASS,
-  FORM_SECTION    /* parameters of a stage: checked against the stage's table by the host */
+  FORM_SECTION /* parameters of a stage: checked against the stage's table by the host */
 };
 
 struct field {
@@ -32,12 +33,9 @@ struct field {
   const struct field *fields;
 };
 
-static const struct field domain_fields[] = {{"size_um", FORM_POSITIVE3, 0, NULL},
-                                             {"lo_um", FORM_VECTOR3, 0, NULL},
-                                             {"hi_um", FORM_VECTOR3, 0, NULL},
-                                             {"periodic", FORM_BOOL3, 0, NULL},
-                                             {"pia", FORM_VECTOR3, 0, NULL},
-                                             {NULL, FORM_TEXT, 0, NULL}};
+static const struct field domain_fields[] = {
+    {"size_um", FORM_POSITIVE3, 0, NULL}, {"lo_um", FORM_VECTOR3, 0, NULL}, {"hi_um", FORM_VECTOR3, 0, NULL},
+    {"periodic", FORM_BOOL3, 0, NULL},    {"pia", FORM_VECTOR3, 0, NULL},   {NULL, FORM_TEXT, 0, NULL}};
 
 static const struct field profile_fields[] = {
     {"z_um", FORM_NUMBER, 1, NULL}, {"per_um3", FORM_NONNEGATIVE, 1, NULL}, {NULL, FORM_TEXT, 0, NULL}};
@@ -69,7 +67,8 @@ static const struct field recipe_fields[] = {{"conceg", FORM_VERSION, 1, NULL},
                                              {"keep", FORM_WORDS, 0, NULL},
                                              {NULL, FORM_TEXT, 0, NULL}};
 
-static const char *const classes[] = {"pyramidal", "interneuron", "astrocyte", "microglia", "axon", "other", NULL};
+static const char *const classes[] = {"pyramidal", "interneuron", "astrocyte", "microglia",
+                                      "axon",      "other",       NULL};
 
 #define NAME_COUNT 48
 #define LIST_LIMIT 4096 /* names of a list are compared in pairs */
@@ -77,8 +76,10 @@ static const char *const classes[] = {"pyramidal", "interneuron", "astrocyte", "
 /* Names of the fields, and of the stages' sections when `sections` is 1, ending with NULL. */
 static void list_names(const struct field *fields, int sections, const char *names[NAME_COUNT]) {
   uint32_t count = 0, i;
-  for (i = 0; fields[i].name && count < NAME_COUNT - 1; i++) names[count++] = fields[i].name;
-  for (i = 0; sections && conceg_pipeline_kind(i) && count < NAME_COUNT - 1; i++) names[count++] = conceg_pipeline_kind(i);
+  for (i = 0; fields[i].name && count < NAME_COUNT - 1; i++)
+    names[count++] = fields[i].name;
+  for (i = 0; sections && conceg_pipeline_kind(i) && count < NAME_COUNT - 1; i++)
+    names[count++] = conceg_pipeline_kind(i);
   names[count] = NULL;
 }
 
@@ -118,7 +119,9 @@ static int bools_of(const conceg_node *node, uint32_t count) {
   int value;
   if (node->kind != NODE_LIST || node->count != count) return 0;
   for (i = 0; i < count; i++)
-    if (node->child[i]->kind != NODE_SCALAR || node->child[i]->quoted || !text_to_bool(node->child[i]->text, &value)) return 0;
+    if (node->child[i]->kind != NODE_SCALAR || node->child[i]->quoted ||
+        !text_to_bool(node->child[i]->text, &value))
+      return 0;
   return 1;
 }
 
@@ -143,10 +146,12 @@ static conceg_status check_section(conceg_ctx *ctx, const conceg_node *node) {
 
 static conceg_status check_list(conceg_ctx *ctx, conceg_node *node, const struct field *fields) {
   uint32_t i;
-  if (node->kind != NODE_LIST || node->count > LIST_LIMIT) return fail_form(ctx, node, "a list of at most 4096 entries");
+  if (node->kind != NODE_LIST || node->count > LIST_LIMIT)
+    return fail_form(ctx, node, "a list of at most 4096 entries");
   for (i = 0; i < node->count; i++) {
     conceg_status status;
-    if (node->child[i]->kind != NODE_MAP) return fail_form(ctx, node->child[i], "a mapping such as {name: ...}");
+    if (node->child[i]->kind != NODE_MAP)
+      return fail_form(ctx, node->child[i], "a mapping such as {name: ...}");
     status = check_map(ctx, node->child[i], fields, 0);
     if (status != CONCEG_OK) return status;
   }
@@ -170,40 +175,61 @@ static conceg_status check_form(conceg_ctx *ctx, conceg_node *node, const struct
   int good = 0;
   const char *expected = "a value";
   switch (field->form) {
-  case FORM_VERSION: return check_version(ctx, node);
-  case FORM_CLASS: return check_class(ctx, node);
-  case FORM_SECTION: return check_section(ctx, node);
-  case FORM_LIST: return check_list(ctx, node, field->fields);
+  case FORM_VERSION:
+    return check_version(ctx, node);
+  case FORM_CLASS:
+    return check_class(ctx, node);
+  case FORM_SECTION:
+    return check_section(ctx, node);
+  case FORM_LIST:
+    return check_list(ctx, node, field->fields);
   case FORM_MAP:
     if (node->kind == NODE_MAP) return check_map(ctx, node, field->fields, 0);
     expected = "a mapping";
     break;
-  case FORM_TEXT: good = node->kind == NODE_SCALAR && *node->text, expected = "text"; break;
+  case FORM_TEXT:
+    good = node->kind == NODE_SCALAR && *node->text, expected = "text";
+    break;
   case FORM_SEED:
     good = node->kind == NODE_SCALAR && !node->quoted && text_to_i64(node->text, &whole) && whole >= 0;
     expected = "a whole number from 0 to 9223372036854775807";
     break;
-  case FORM_POSITIVE: good = number_of(node, v) && v[0] > 0, expected = "a number above 0"; break;
-  case FORM_NONNEGATIVE: good = number_of(node, v) && v[0] >= 0, expected = "a number, 0 or more"; break;
-  case FORM_NUMBER: good = number_of(node, v), expected = "a number"; break;
-  case FORM_VECTOR3: good = numbers_of(node, 3, v), expected = "three numbers [x, y, z]"; break;
+  case FORM_POSITIVE:
+    good = number_of(node, v) && v[0] > 0, expected = "a number above 0";
+    break;
+  case FORM_NONNEGATIVE:
+    good = number_of(node, v) && v[0] >= 0, expected = "a number, 0 or more";
+    break;
+  case FORM_NUMBER:
+    good = number_of(node, v), expected = "a number";
+    break;
+  case FORM_VECTOR3:
+    good = numbers_of(node, 3, v), expected = "three numbers [x, y, z]";
+    break;
   case FORM_POSITIVE3:
     good = numbers_of(node, 3, v) && v[0] > 0 && v[1] > 0 && v[2] > 0;
     expected = "three numbers above 0, [x, y, z]";
     break;
-  case FORM_BOOL3: good = bools_of(node, 3), expected = "three of true or false"; break;
-  case FORM_RANGE: good = numbers_of(node, 2, v) && v[0] < v[1], expected = "two numbers [lo, hi] with lo < hi"; break;
-  case FORM_WORDS: good = words_of(node), expected = "a list of words"; break;
+  case FORM_BOOL3:
+    good = bools_of(node, 3), expected = "three of true or false";
+    break;
+  case FORM_RANGE:
+    good = numbers_of(node, 2, v) && v[0] < v[1], expected = "two numbers [lo, hi] with lo < hi";
+    break;
+  case FORM_WORDS:
+    good = words_of(node), expected = "a list of words";
+    break;
   }
   return good ? CONCEG_OK : fail_form(ctx, node, expected);
 }
 
-static conceg_status unknown_key(conceg_ctx *ctx, const conceg_node *node, const char *key, const char *const *names) {
+static conceg_status unknown_key(conceg_ctx *ctx, const conceg_node *node, const char *key,
+                                 const char *const *names) {
   struct text path = {0};
   const char *near = nearest_name(key, names);
   node_path(node, &path);
-  fail_node(ctx, CONCEG_E_PARAM, node, "unknown key %.80s%s%s%s", path.data ? path.data : key, near ? "; did you mean " : "",
-            near ? near : "", near ? "?" : "");
+  fail_node(ctx, CONCEG_E_PARAM, node, "unknown key %.80s%s%s%s", path.data ? path.data : key,
+            near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
   text_free(&path);
   return CONCEG_E_PARAM;
 }
@@ -217,8 +243,10 @@ static void sort_keys(conceg_node *map, const char *const *names) {
       uint32_t rank_before = 0, rank_after = 0;
       conceg_node *child = map->child[j];
       char *key = map->key[j];
-      while (names[rank_before] && strcmp(names[rank_before], before) != 0) rank_before++;
-      while (names[rank_after] && strcmp(names[rank_after], after) != 0) rank_after++;
+      while (names[rank_before] && strcmp(names[rank_before], before) != 0)
+        rank_before++;
+      while (names[rank_after] && strcmp(names[rank_after], after) != 0)
+        rank_after++;
       if (rank_before < rank_after || (rank_before == rank_after && strcmp(before, after) <= 0)) break;
       map->child[j] = map->child[j - 1], map->key[j] = map->key[j - 1];
       map->child[j - 1] = child, map->key[j - 1] = key;
@@ -260,7 +288,8 @@ static conceg_status check_domain(conceg_ctx *ctx, const conceg_node *domain) {
     return fail_node(ctx, CONCEG_E_PARAM, domain, "domain: expected either size_um, or lo_um and hi_um");
   if (lo && numbers_of(lo, 3, a) && numbers_of(hi, 3, b))
     for (axis = 0; axis < 3; axis++)
-      if (!(a[axis] < b[axis])) return fail_node(ctx, CONCEG_E_PARAM, hi, "domain.hi_um: expected more than lo_um on each axis");
+      if (!(a[axis] < b[axis]))
+        return fail_node(ctx, CONCEG_E_PARAM, hi, "domain.hi_um: expected more than lo_um on each axis");
   pia = node_find(domain, "pia");
   if (pia && numbers_of(pia, 3, a) && a[0] == 0 && a[1] == 0 && a[2] == 0)
     return fail_node(ctx, CONCEG_E_PARAM, pia, "domain.pia: expected a direction, got [0, 0, 0]");
@@ -269,7 +298,8 @@ static conceg_status check_domain(conceg_ctx *ctx, const conceg_node *domain) {
 
 /* Exactly one way to say how many cells there are. */
 static conceg_status check_densities(conceg_ctx *ctx, const conceg_node *root) {
-  const conceg_node *uniform = node_find(root, "density_per_um3"), *profile = node_find(root, "density_profile");
+  const conceg_node *uniform = node_find(root, "density_per_um3"),
+                    *profile = node_find(root, "density_profile");
   const conceg_node *layers = node_find(root, "layers"), *by_layer = NULL;
   double z, last = 0;
   uint32_t i;
@@ -281,7 +311,8 @@ static conceg_status check_densities(conceg_ctx *ctx, const conceg_node *root) {
   for (i = 0; i < conceg_node_count(profile); i++) {
     const conceg_node *row = node_find(profile->child[i], "z_um");
     if (!number_of(row, &z)) continue;
-    if (i && !(z > last)) return fail_node(ctx, CONCEG_E_PARAM, row, "density_profile[%u].z_um: expected ascending depths", i);
+    if (i && !(z > last))
+      return fail_node(ctx, CONCEG_E_PARAM, row, "density_profile[%u].z_um: expected ascending depths", i);
     last = z;
   }
   return CONCEG_OK;
@@ -304,24 +335,28 @@ static conceg_status check_types(conceg_ctx *ctx, const conceg_node *types, cons
     const conceg_node *type = types->child[i], *layer = node_find(type, "layer");
     int found = layer == NULL;
     if (node_find(type, "fraction") && node_find(type, "density_per_um3"))
-      return fail_node(ctx, CONCEG_E_PARAM, type, "types[%u]: expected fraction or density_per_um3, got both", i);
+      return fail_node(ctx, CONCEG_E_PARAM, type, "types[%u]: expected fraction or density_per_um3, got both",
+                       i);
     for (j = 0; j < conceg_node_count(layers); j++)
       found |= layer && !strcmp(node_find(layers->child[j], "name")->text, layer->text);
-    if (!found) return fail_node(ctx, CONCEG_E_PARAM, layer, "types[%u].layer: no layer is named %.60s", i, layer->text);
+    if (!found)
+      return fail_node(ctx, CONCEG_E_PARAM, layer, "types[%u].layer: no layer is named %.60s", i,
+                       layer->text);
   }
   return CONCEG_OK;
 }
 
 /* Every word of a list must be one of `names`. */
-static conceg_status check_words(conceg_ctx *ctx, const conceg_node *list, const char *what, const char *thing, const char *const *names) {
+static conceg_status check_words(conceg_ctx *ctx, const conceg_node *list, const char *what,
+                                 const char *thing, const char *const *names) {
   uint32_t i;
   for (i = 0; i < conceg_node_count(list); i++) {
     const char *word = list->child[i]->text, *near;
     if (*word == '/') word++;
     if (is_word_of(word, names) || !strncmp(word, "x_", 2)) continue;
     near = nearest_name(word, names);
-    return fail_node(ctx, CONCEG_E_PARAM, list->child[i], "%s[%u]: no %s is called %.60s%s%s%s", what, i, thing, word, near ? "; did you mean " : "",
-                     near ? near : "", near ? "?" : "");
+    return fail_node(ctx, CONCEG_E_PARAM, list->child[i], "%s[%u]: no %s is called %.60s%s%s%s", what, i,
+                     thing, word, near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
   }
   return CONCEG_OK;
 }
@@ -340,7 +375,8 @@ static conceg_status check_keep(conceg_ctx *ctx, const conceg_node *keep) {
   if (!keep) return CONCEG_OK;
   schema = ctx_schema(ctx);
   if (!schema) return CONCEG_E_NOMEM;
-  for (i = 1; i < schema->groups && count < NAME_COUNT - 1; i++) groups[count++] = schema->group[i].name;
+  for (i = 1; i < schema->groups && count < NAME_COUNT - 1; i++)
+    groups[count++] = schema->group[i].name;
   groups[count] = NULL;
   return check_words(ctx, keep, "keep", "group", groups);
 }
@@ -352,8 +388,10 @@ static void sort_sections(conceg_node *root) {
   for (i = 0; conceg_pipeline_kind(i); i++) {
     conceg_node *section = node_find(root, conceg_pipeline_kind(i));
     if (!section) continue;
-    if (section->count == 0) node_remove(root, conceg_pipeline_kind(i));
-    else sort_keys(section, first);
+    if (section->count == 0)
+      node_remove(root, conceg_pipeline_kind(i));
+    else
+      sort_keys(section, first);
   }
 }
 

@@ -14,7 +14,15 @@ static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static H5E_auto2_t program_print;
 static void *program_print_data;
 
+/* After a damaged file HDF5 cannot tidy up when the process ends, and says so at length. All files are closed
+ * here anyway. */
+static void keep_quiet_at_exit(void) {
+  H5dont_atexit();
+}
+
 void h5_lock(void) {
+  static pthread_once_t once = PTHREAD_ONCE_INIT;
+  pthread_once(&once, keep_quiet_at_exit);
   pthread_mutex_lock(&mutex);
   H5Eget_auto2(H5E_DEFAULT, &program_print, &program_print_data);
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
@@ -38,10 +46,12 @@ static herr_t take_reason(unsigned n, const H5E_error2_t *error, void *data) {
   return 0;
 }
 
-conceg_status h5_fail(conceg_ctx *ctx, conceg_status status, const char *name, const char *path, const char *what) {
+conceg_status h5_fail(conceg_ctx *ctx, conceg_status status, const char *name, const char *path,
+                      const char *what) {
   char reason[256] = "";
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, take_reason, reason);
-  return conceg_ctx_fail(ctx, status, "%s: %s%s%s%s%s", name, path, *path ? ": " : "", what, *reason ? ": " : "", reason);
+  return conceg_ctx_fail(ctx, status, "%s: %s%s%s%s%s", name, path, *path ? ": " : "", what,
+                         *reason ? ": " : "", reason);
 }
 
 hid_t h5_access(int writing) {
@@ -57,15 +67,24 @@ hid_t h5_access(int writing) {
 
 hid_t h5_memory_type(conceg_dtype dtype) {
   switch (dtype) {
-  case CONCEG_U8: return H5T_STD_U8LE;
-  case CONCEG_I8: return H5T_STD_I8LE;
-  case CONCEG_U32: return H5T_STD_U32LE;
-  case CONCEG_I32: return H5T_STD_I32LE;
-  case CONCEG_U64: return H5T_STD_U64LE;
-  case CONCEG_I64: return H5T_STD_I64LE;
-  case CONCEG_F32: return H5T_IEEE_F32LE;
-  case CONCEG_F64: return H5T_IEEE_F64LE;
-  default: return H5I_INVALID_HID;
+  case CONCEG_U8:
+    return H5T_STD_U8LE;
+  case CONCEG_I8:
+    return H5T_STD_I8LE;
+  case CONCEG_U32:
+    return H5T_STD_U32LE;
+  case CONCEG_I32:
+    return H5T_STD_I32LE;
+  case CONCEG_U64:
+    return H5T_STD_U64LE;
+  case CONCEG_I64:
+    return H5T_STD_I64LE;
+  case CONCEG_F32:
+    return H5T_IEEE_F32LE;
+  case CONCEG_F64:
+    return H5T_IEEE_F64LE;
+  default:
+    return H5I_INVALID_HID;
   }
 }
 
@@ -79,10 +98,12 @@ hid_t h5_text_type(size_t width, H5T_cset_t cset) {
 }
 
 herr_t h5_read_all(hid_t object, int attribute, hid_t type, void *buffer) {
-  return attribute ? H5Aread(object, type, buffer) : H5Dread(object, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer);
+  return attribute ? H5Aread(object, type, buffer)
+                   : H5Dread(object, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer);
 }
 
-conceg_status h5_open(conceg_ctx *ctx, const char *path, const char *name, uint64_t length, struct h5_file **out) {
+conceg_status h5_open(conceg_ctx *ctx, const char *path, const char *name, uint64_t length,
+                      struct h5_file **out) {
   struct h5_file *file = calloc(1, sizeof *file);
   char *copy = strdup(name);
   if (!file || !copy) {
@@ -119,4 +140,6 @@ conceg_status h5_close(conceg_ctx *ctx, struct h5_file *file) {
   return status;
 }
 
-const char *h5_name(const struct h5_file *file) { return file->name; }
+const char *h5_name(const struct h5_file *file) {
+  return file->name;
+}

@@ -16,7 +16,8 @@ struct h5_file {
 void h5_lock(void);
 void h5_unlock(void);
 /* Fails with "name: path: what: HDF5's innermost reason". Call it before any further H5 call. */
-conceg_status h5_fail(conceg_ctx *ctx, conceg_status status, const char *name, const char *path, const char *what);
+conceg_status h5_fail(conceg_ctx *ctx, conceg_status status, const char *name, const char *path,
+                      const char *what);
 /* File access list: no file locks; with `writing` fixed format bounds. */
 hid_t h5_access(int writing);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * HDF5: walking through a file and reading values. Nothing that a file claims is believed before it is compared with the
- * file's length. */
+ * HDF5: walking through a file and reading values. Nothing that a file claims is believed before it is
+ * compared with the file's length. */
 #define _POSIX_C_SOURCE 200809L
 #include "h5_type.h"
 #include "texts.h"
@@ -25,7 +25,8 @@ struct scan {
 };
 
 static conceg_status fail(const struct scan *scan, conceg_status status, const char *name, const char *what) {
-  return conceg_ctx_fail(scan->budget->ctx, status, "%s: %s%s: %s", scan->file->name, scan->entry->path, name, what);
+  return conceg_ctx_fail(scan->budget->ctx, status, "%s: %s%s: %s", scan->file->name, scan->entry->path, name,
+                         what);
 }
 
 static conceg_status out_of_memory(const struct scan *scan, const char *name) {
@@ -33,11 +34,13 @@ static conceg_status out_of_memory(const struct scan *scan, const char *name) {
 }
 
 /* Reads all strings of an open attribute or dataset. */
-static conceg_status read_texts(struct budget *budget, const struct h5_file *file, const char *path, hid_t object, int attribute,
-                                hid_t type, hid_t space, const struct h5_form *form, struct store *out) {
+static conceg_status read_texts(struct budget *budget, const struct h5_file *file, const char *path,
+                                hid_t object, int attribute, hid_t type, hid_t space,
+                                const struct h5_form *form, struct store *out) {
   conceg_ctx *ctx = budget->ctx;
   uint64_t count = 1;
-  for (uint32_t axis = 0; axis < form->rank; axis++) count *= form->shape[axis];
+  for (uint32_t axis = 0; axis < form->rank; axis++)
+    count *= form->shape[axis];
   const size_t width = form->variable_text ? sizeof(char *) : form->width;
   char *block = calloc(count ? count : 1, width ? width : 1);
   if (!block) return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "%s: out of memory", path);
@@ -48,11 +51,13 @@ static conceg_status read_texts(struct budget *budget, const struct h5_file *fil
   else if (form->variable_text) {
     char **strings = (char **)(void *)block;
     for (uint64_t i = 0; i < count; i++)
-      if (!strings[i] && !(strings[i] = calloc(1, 1))) status = conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "%s: out of memory", path);
+      if (!strings[i] && !(strings[i] = calloc(1, 1)))
+        status = conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "%s: out of memory", path);
     if (status == CONCEG_OK) status = texts_copy(budget, path, (const char *const *)strings, count, out);
     if (count) H5Dvlen_reclaim(memory, space, H5P_DEFAULT, block);
   } else {
-    status = texts_from_fixed(budget, path, block, width, count, H5Tget_strpad(type) == H5T_STR_SPACEPAD, out);
+    status =
+        texts_from_fixed(budget, path, block, width, count, H5Tget_strpad(type) == H5T_STR_SPACEPAD, out);
   }
   H5Tclose(memory);
   free(block);
@@ -88,13 +93,15 @@ static conceg_status scan_attribute(const struct scan *scan, struct entry *entry
     entry->why = strdup(why);
     if (!entry->why) status = out_of_memory(scan, entry->name);
   } else if (form.bytes > scan->file->length) {
-    status = fail(scan, CONCEG_E_FORMAT, entry->name, "the attribute claims more bytes than the file has (CGX-006)");
+    status = fail(scan, CONCEG_E_FORMAT, entry->name,
+                  "the attribute claims more bytes than the file has (CGX-006)");
   } else {
     set_form(entry, &form);
     if (form.dtype == CONCEG_TEXT)
-      status = read_texts(scan->budget, scan->file, entry->path, attribute, 1, type, space, &form, &entry->store);
-    else if ((status = store_new(scan->budget, entry->path, form.bytes, &entry->store)) == CONCEG_OK && form.bytes &&
-             h5_read_all(attribute, 1, h5_memory_type(form.dtype), entry->store.data) < 0)
+      status =
+          read_texts(scan->budget, scan->file, entry->path, attribute, 1, type, space, &form, &entry->store);
+    else if ((status = store_new(scan->budget, entry->path, form.bytes, &entry->store)) == CONCEG_OK &&
+             form.bytes && h5_read_all(attribute, 1, h5_memory_type(form.dtype), entry->store.data) < 0)
       status = h5_fail(scan->budget->ctx, CONCEG_E_FORMAT, scan->file->name, entry->path, "cannot be read");
   }
   H5Tclose(type);
@@ -107,11 +114,14 @@ static herr_t visit_attribute(hid_t object, const char *name, const H5A_info_t *
   struct scan *scan = user;
   scan->status = count_object(scan, name);
   if (scan->status != CONCEG_OK) return 1;
-  if (strlen(name) >= NAME_BYTES) return scan->status = fail(scan, CONCEG_E_FORMAT, "", "a name of 512 bytes or more (CGX-007)"), 1;
+  if (strlen(name) >= NAME_BYTES)
+    return scan->status = fail(scan, CONCEG_E_FORMAT, "", "a name of 512 bytes or more (CGX-007)"), 1;
   struct entry *entry = add_entry(scan, ENTRY_ARRAY, name, 1);
   if (!entry) return scan->status = out_of_memory(scan, name), 1;
   const hid_t attribute = H5Aopen(object, name, H5P_DEFAULT);
-  if (attribute < 0) scan->status = h5_fail(scan->budget->ctx, CONCEG_E_FORMAT, scan->file->name, entry->path, "cannot be opened");
+  if (attribute < 0)
+    scan->status =
+        h5_fail(scan->budget->ctx, CONCEG_E_FORMAT, scan->file->name, entry->path, "cannot be opened");
   else {
     scan->status = scan_attribute(scan, entry, attribute);
     H5Aclose(attribute);
@@ -121,26 +131,34 @@ static herr_t visit_attribute(hid_t object, const char *name, const H5A_info_t *
 
 static conceg_status scan_attributes(struct scan *scan) {
   hsize_t index = 0;
-  if (H5Aiterate2(scan->object, H5_INDEX_NAME, H5_ITER_NATIVE, &index, visit_attribute, scan) < 0 && scan->status == CONCEG_OK)
-    scan->status = h5_fail(scan->budget->ctx, CONCEG_E_FORMAT, scan->file->name, scan->entry->path, "attributes cannot be listed");
+  if (H5Aiterate2(scan->object, H5_INDEX_NAME, H5_ITER_NATIVE, &index, visit_attribute, scan) < 0 &&
+      scan->status == CONCEG_OK)
+    scan->status = h5_fail(scan->budget->ctx, CONCEG_E_FORMAT, scan->file->name, scan->entry->path,
+                           "attributes cannot be listed");
   return scan->status;
 }
 
 /* Compares what a dataset claims with what the file can hold. */
-static conceg_status check_storage(const struct scan *scan, const char *name, hid_t dataset, const struct h5_form *form) {
+static conceg_status check_storage(const struct scan *scan, const char *name, hid_t dataset,
+                                   const struct h5_form *form) {
   const hid_t list = H5Dget_create_plist(dataset);
   const H5D_layout_t layout = H5Pget_layout(list);
   const int external = H5Pget_external_count(list);
   H5Pclose(list);
   const uint64_t length = scan->file->length;
   if (external > 0 || layout == H5D_VIRTUAL)
-    return fail(scan, CONCEG_E_FORMAT, name, "expected values inside the file, got a reference to another file (CGX-005)");
-  const uint64_t limit = layout == H5D_CHUNKED && length <= UINT64_MAX / maximum_inflation ? length * maximum_inflation : length;
+    return fail(scan, CONCEG_E_FORMAT, name,
+                "expected values inside the file, got a reference to another file (CGX-005)");
+  const uint64_t limit =
+      layout == H5D_CHUNKED && length <= UINT64_MAX / maximum_inflation ? length * maximum_inflation : length;
   const haddr_t offset = layout == H5D_CONTIGUOUS ? H5Dget_offset(dataset) : HADDR_UNDEF;
   const int beyond = offset != HADDR_UNDEF && (offset > length || form->bytes > length - offset);
   if (form->bytes > limit || beyond)
-    return conceg_ctx_fail(scan->budget->ctx, CONCEG_E_FORMAT, "%s: %s%s: the array claims %llu bytes, more than a file of %llu bytes can hold (CGX-006)",
-                           scan->file->name, scan->entry->path, name, (unsigned long long)form->bytes, (unsigned long long)length);
+    return conceg_ctx_fail(
+        scan->budget->ctx, CONCEG_E_FORMAT,
+        "%s: %s%s: the array claims %llu bytes, more than a file of %llu bytes can hold (CGX-006)",
+        scan->file->name, scan->entry->path, name, (unsigned long long)form->bytes,
+        (unsigned long long)length);
   return CONCEG_OK;
 }
 
@@ -179,7 +197,8 @@ static conceg_status scan_object(struct scan *scan, const char *name, hid_t obje
     entry->why = strdup("a named type");
     return entry->why ? CONCEG_OK : out_of_memory(scan, name);
   }
-  if (scan->depth >= PATH_DEPTH) return fail(scan, CONCEG_E_FORMAT, name, "groups are nested more than 16 deep, or form a loop (CGX-005)");
+  if (scan->depth >= PATH_DEPTH)
+    return fail(scan, CONCEG_E_FORMAT, name, "groups are nested more than 16 deep, or form a loop (CGX-005)");
   struct scan inner = *scan;
   inner.entry = entry;
   inner.object = object;
@@ -191,9 +210,12 @@ static herr_t visit_link(hid_t group, const char *name, const H5L_info_t *info, 
   struct scan *scan = user;
   scan->status = count_object(scan, name);
   if (scan->status != CONCEG_OK) return 1;
-  if (strlen(name) >= NAME_BYTES) return scan->status = fail(scan, CONCEG_E_FORMAT, "", "a name of 512 bytes or more (CGX-007)"), 1;
+  if (strlen(name) >= NAME_BYTES)
+    return scan->status = fail(scan, CONCEG_E_FORMAT, "", "a name of 512 bytes or more (CGX-007)"), 1;
   if (info->type != H5L_TYPE_HARD)
-    return scan->status = fail(scan, CONCEG_E_FORMAT, name, "expected a group or dataset, got a soft or external link (CGX-005)"), 1;
+    return scan->status = fail(scan, CONCEG_E_FORMAT, name,
+                               "expected a group or dataset, got a soft or external link (CGX-005)"),
+           1;
   const hid_t object = H5Oopen(group, name, H5P_DEFAULT);
   if (object < 0) {
     char path[PATH_BYTES + NAME_BYTES];
@@ -207,20 +229,26 @@ static herr_t visit_link(hid_t group, const char *name, const H5L_info_t *info, 
 }
 
 static conceg_status scan_group(struct scan *scan) {
-  hsize_t index = 0; /* the tree sorts; HDF5's own sorting frees wild pointers when a group's index is damaged */
+  hsize_t index =
+      0; /* the tree sorts; HDF5's own sorting frees wild pointers when a group's index is damaged */
   if (scan_attributes(scan) != CONCEG_OK) return scan->status;
-  if (H5Literate(scan->object, H5_INDEX_NAME, H5_ITER_NATIVE, &index, visit_link, scan) < 0 && scan->status == CONCEG_OK)
-    scan->status = h5_fail(scan->budget->ctx, CONCEG_E_FORMAT, scan->file->name, scan->entry->path, "cannot be listed");
+  if (H5Literate(scan->object, H5_INDEX_NAME, H5_ITER_NATIVE, &index, visit_link, scan) < 0 &&
+      scan->status == CONCEG_OK)
+    scan->status =
+        h5_fail(scan->budget->ctx, CONCEG_E_FORMAT, scan->file->name, scan->entry->path, "cannot be listed");
   return scan->status;
 }
 
-conceg_status h5_scan(struct h5_file *file, struct budget *budget, const struct schema *schema, struct entry *root) {
+conceg_status h5_scan(struct h5_file *file, struct budget *budget, const struct schema *schema,
+                      struct entry *root) {
   uint64_t objects = 0;
   h5_lock();
-  struct scan scan = {.file = file, .budget = budget, .schema = schema, .entry = root, .objects = &objects, .depth = 1};
+  struct scan scan = {
+      .file = file, .budget = budget, .schema = schema, .entry = root, .objects = &objects, .depth = 1};
   scan.object = H5Gopen2(file->id, "/", H5P_DEFAULT);
   conceg_status status;
-  if (scan.object < 0) status = h5_fail(budget->ctx, CONCEG_E_FORMAT, file->name, "/", "cannot be opened");
+  if (scan.object < 0)
+    status = h5_fail(budget->ctx, CONCEG_E_FORMAT, file->name, "/", "cannot be opened");
   else {
     status = scan_group(&scan);
     H5Gclose(scan.object);
@@ -230,11 +258,13 @@ conceg_status h5_scan(struct h5_file *file, struct budget *budget, const struct 
 }
 
 /* Reads through open ids; negative when HDF5 failed. */
-static herr_t read_rows(hid_t dataset, const struct entry *entry, uint64_t first, uint64_t count, void *buffer) {
+static herr_t read_rows(hid_t dataset, const struct entry *entry, uint64_t first, uint64_t count,
+                        void *buffer) {
   const hid_t type = h5_memory_type(entry->dtype);
   if (!entry->rank || (first == 0 && count == entry->shape[0])) return h5_read_all(dataset, 0, type, buffer);
   hsize_t start[4] = {first}, extent[4] = {count};
-  for (uint32_t axis = 1; axis < entry->rank; axis++) extent[axis] = entry->shape[axis];
+  for (uint32_t axis = 1; axis < entry->rank; axis++)
+    extent[axis] = entry->shape[axis];
   const hid_t space = H5Dget_space(dataset), memory = H5Screate_simple((int)entry->rank, extent, NULL);
   herr_t result = -1;
   if (space >= 0 && memory >= 0 && H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, extent, NULL) >= 0)
@@ -244,8 +274,8 @@ static herr_t read_rows(hid_t dataset, const struct entry *entry, uint64_t first
   return result;
 }
 
-conceg_status h5_read_rows(conceg_ctx *ctx, struct h5_file *file, const struct entry *entry, uint64_t first, uint64_t count,
-                           void *buffer) {
+conceg_status h5_read_rows(conceg_ctx *ctx, struct h5_file *file, const struct entry *entry, uint64_t first,
+                           uint64_t count, void *buffer) {
   if (!entry_count(entry)) return CONCEG_OK;
   conceg_status status = CONCEG_OK;
   h5_lock();
@@ -257,11 +287,13 @@ conceg_status h5_read_rows(conceg_ctx *ctx, struct h5_file *file, const struct e
   return status;
 }
 
-conceg_status h5_read_texts(struct budget *budget, struct h5_file *file, const struct entry *entry, struct store *out) {
+conceg_status h5_read_texts(struct budget *budget, struct h5_file *file, const struct entry *entry,
+                            struct store *out) {
   conceg_status status = CONCEG_OK;
   h5_lock();
   const hid_t dataset = H5Dopen2(file->id, entry->path, H5P_DEFAULT);
-  if (dataset < 0) status = h5_fail(budget->ctx, CONCEG_E_FORMAT, file->name, entry->path, "cannot be opened");
+  if (dataset < 0)
+    status = h5_fail(budget->ctx, CONCEG_E_FORMAT, file->name, entry->path, "cannot be opened");
   else {
     const hid_t type = H5Dget_type(dataset), space = H5Dget_space(dataset);
     struct h5_form form;

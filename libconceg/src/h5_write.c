@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * HDF5: the one canonical writer. Same tree, same bytes: a fresh file, siblings in the tree's order, fixed creation lists,
- * no times, every array contiguous, allocated at once and written by the same code wherever its values came from. */
+ * HDF5: the one canonical writer. Same tree, same bytes: a fresh file, siblings in the tree's order, fixed
+ * creation lists, no times, every array contiguous, allocated at once and written by the same code wherever
+ * its values came from. */
 #define _GNU_SOURCE
 #include "h5_internal.h"
 #include "texts.h"
@@ -29,7 +30,8 @@ static conceg_status fail(const struct writer *writer, const struct entry *entry
 static hid_t make_space(const struct entry *entry) {
   if (!entry->rank) return H5Screate(H5S_SCALAR);
   hsize_t shape[4];
-  for (uint32_t axis = 0; axis < entry->rank; axis++) shape[axis] = entry->shape[axis];
+  for (uint32_t axis = 0; axis < entry->rank; axis++)
+    shape[axis] = entry->shape[axis];
   return H5Screate_simple((int)entry->rank, shape, NULL);
 }
 
@@ -41,7 +43,8 @@ static char *pad_texts(const char *const *strings, uint64_t count, size_t *width
     if (length > *width) *width = length;
   }
   char *block = calloc(count ? count : 1, *width);
-  for (uint64_t i = 0; block && i < count; i++) memcpy(block + i * *width, strings[i], strlen(strings[i]));
+  for (uint64_t i = 0; block && i < count; i++)
+    memcpy(block + i * *width, strings[i], strlen(strings[i]));
   return block;
 }
 
@@ -55,7 +58,8 @@ static conceg_status write_attribute(const struct writer *writer, hid_t owner, c
   const hid_t space = make_space(entry);
   const hid_t attribute = H5Acreate2(owner, entry->name, type, space, H5P_DEFAULT, H5P_DEFAULT);
   conceg_status status = CONCEG_OK;
-  if (attribute < 0 || (entry_count(entry) && H5Awrite(attribute, type, is_text ? block : entry->store.data) < 0))
+  if (attribute < 0 ||
+      (entry_count(entry) && H5Awrite(attribute, type, is_text ? block : entry->store.data) < 0))
     status = fail(writer, entry, "cannot be written");
   if (attribute >= 0) H5Aclose(attribute);
   H5Sclose(space);
@@ -66,12 +70,14 @@ static conceg_status write_attribute(const struct writer *writer, hid_t owner, c
 
 /* An attribute of a type that conceg_array cannot hold: its bytes are copied as they are. */
 static conceg_status carry_attribute(const struct writer *writer, hid_t owner, const struct entry *entry) {
-  const hid_t from = H5Aopen_by_name(writer->source->id, entry->parent->path, entry->name, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t from =
+      H5Aopen_by_name(writer->source->id, entry->parent->path, entry->name, H5P_DEFAULT, H5P_DEFAULT);
   const hid_t type = H5Aget_type(from), space = H5Aget_space(from);
   conceg_status status = CONCEG_OK;
-  if (H5Tdetect_class(type, H5T_VLEN) > 0 || H5Tdetect_class(type, H5T_REFERENCE) > 0 || H5Tis_variable_str(type) > 0) {
-    conceg_ctx_log(writer->ctx, CONCEG_LOG_WARNING, "%s: %s is left out: %s cannot be carried through", writer->name, entry->path,
-                   entry->why);
+  if (H5Tdetect_class(type, H5T_VLEN) > 0 || H5Tdetect_class(type, H5T_REFERENCE) > 0 ||
+      H5Tis_variable_str(type) > 0) {
+    conceg_ctx_log(writer->ctx, CONCEG_LOG_WARNING, "%s: %s is left out: %s cannot be carried through",
+                   writer->name, entry->path, entry->why);
   } else {
     const hsize_t size = H5Aget_storage_size(from);
     void *bytes = calloc(size ? size : 1, 1);
@@ -106,11 +112,13 @@ static conceg_status report(struct writer *writer, uint64_t bytes) {
   return status;
 }
 
-static herr_t write_rows(hid_t dataset, const struct entry *entry, uint64_t first, uint64_t rows, const void *values) {
+static herr_t write_rows(hid_t dataset, const struct entry *entry, uint64_t first, uint64_t rows,
+                         const void *values) {
   const hid_t type = h5_memory_type(entry->dtype);
   if (!entry->rank) return H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
   hsize_t start[4] = {first}, extent[4] = {rows};
-  for (uint32_t axis = 1; axis < entry->rank; axis++) extent[axis] = entry->shape[axis];
+  for (uint32_t axis = 1; axis < entry->rank; axis++)
+    extent[axis] = entry->shape[axis];
   const hid_t space = H5Dget_space(dataset), memory = H5Screate_simple((int)entry->rank, extent, NULL);
   herr_t result = -1;
   if (space >= 0 && memory >= 0 && H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, extent, NULL) >= 0)
@@ -131,13 +139,15 @@ static conceg_status write_values(struct writer *writer, hid_t dataset, const st
   for (uint64_t first = 0; first < rows && status == CONCEG_OK; first += rows_per_block) {
     const uint64_t count = rows - first < rows_per_block ? rows - first : rows_per_block;
     const void *values = buffer;
-    if (entry->store.data) values = (const char *)entry->store.data + first * row_bytes;
+    if (entry->store.data)
+      values = (const char *)entry->store.data + first * row_bytes;
     else {
       h5_unlock();
       status = h5_read_rows(writer->ctx, writer->source, entry, first, count, buffer);
       h5_lock();
     }
-    if (status == CONCEG_OK && write_rows(dataset, entry, first, count, values) < 0) status = fail(writer, entry, "cannot be written");
+    if (status == CONCEG_OK && write_rows(dataset, entry, first, count, values) < 0)
+      status = fail(writer, entry, "cannot be written");
     if (status == CONCEG_OK) status = report(writer, count * row_bytes);
   }
   free(buffer);
@@ -145,7 +155,8 @@ static conceg_status write_values(struct writer *writer, hid_t dataset, const st
 }
 
 /* Text: the strings as one padded block, from memory or from the source. */
-static conceg_status padded_texts(struct writer *writer, const struct entry *entry, char **block, size_t *width) {
+static conceg_status padded_texts(struct writer *writer, const struct entry *entry, char **block,
+                                  size_t *width) {
   struct store loaded = {0};
   struct budget apart = {.ctx = writer->ctx};
   conceg_status status = CONCEG_OK;
@@ -157,7 +168,8 @@ static conceg_status padded_texts(struct writer *writer, const struct entry *ent
   if (status != CONCEG_OK) return status;
   *block = pad_texts(entry->store.data ? entry->store.data : loaded.data, entry_count(entry), width);
   store_free(&apart, &loaded);
-  if (!*block) return conceg_ctx_fail(writer->ctx, CONCEG_E_NOMEM, "%s: %s: out of memory", writer->name, entry->path);
+  if (!*block)
+    return conceg_ctx_fail(writer->ctx, CONCEG_E_NOMEM, "%s: %s: out of memory", writer->name, entry->path);
   return CONCEG_OK;
 }
 
@@ -171,13 +183,16 @@ static conceg_status write_dataset(struct writer *writer, hid_t group, const str
   }
   const hid_t type = is_text ? h5_text_type(width, H5T_CSET_UTF8) : H5Tcopy(h5_memory_type(entry->dtype));
   const hid_t space = make_space(entry);
-  const hid_t dataset = H5Dcreate2(group, entry->name, type, space, H5P_DEFAULT, writer->dataset_list, H5P_DEFAULT);
+  const hid_t dataset =
+      H5Dcreate2(group, entry->name, type, space, H5P_DEFAULT, writer->dataset_list, H5P_DEFAULT);
   conceg_status status = CONCEG_OK;
-  if (dataset < 0) status = fail(writer, entry, "cannot be written");
+  if (dataset < 0)
+    status = fail(writer, entry, "cannot be written");
   else {
     status = write_attributes(writer, dataset, entry);
     if (status == CONCEG_OK && !is_text) status = write_values(writer, dataset, entry);
-    if (status == CONCEG_OK && is_text && entry_count(entry) && H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, block) < 0)
+    if (status == CONCEG_OK && is_text && entry_count(entry) &&
+        H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, block) < 0)
       status = fail(writer, entry, "cannot be written");
     if (H5Dclose(dataset) < 0 && status == CONCEG_OK) status = fail(writer, entry, "cannot be written");
   }
@@ -202,8 +217,10 @@ static conceg_status write_children(struct writer *writer, hid_t group, const st
   conceg_status status = CONCEG_OK;
   for (size_t i = 0; i < entry->children && status == CONCEG_OK; i++) {
     const struct entry *child = entry->child[i];
-    if (child->kind == ENTRY_GROUP) status = write_group(writer, group, child);
-    else if (child->kind == ENTRY_ARRAY) status = write_dataset(writer, group, child);
+    if (child->kind == ENTRY_GROUP)
+      status = write_group(writer, group, child);
+    else if (child->kind == ENTRY_ARRAY)
+      status = write_dataset(writer, group, child);
     else if (H5Ocopy(writer->source->id, child->path, group, child->name, H5P_DEFAULT, H5P_DEFAULT) < 0)
       status = fail(writer, child, "cannot be carried through");
   }
@@ -211,17 +228,20 @@ static conceg_status write_children(struct writer *writer, hid_t group, const st
 }
 
 static uint64_t tree_bytes(const struct entry *entry, uint64_t *objects) {
-  uint64_t bytes = entry->kind == ENTRY_ARRAY ? entry_bytes(entry) + entry->store.bytes * (entry->dtype == CONCEG_TEXT) : 0;
+  uint64_t bytes = entry->kind == ENTRY_ARRAY
+                       ? entry_bytes(entry) + entry->store.bytes * (entry->dtype == CONCEG_TEXT)
+                       : 0;
   *objects += 1 + entry->attrs;
-  for (size_t i = 0; i < entry->children; i++) bytes += tree_bytes(entry->child[i], objects);
+  for (size_t i = 0; i < entry->children; i++)
+    bytes += tree_bytes(entry->child[i], objects);
   return bytes;
 }
 
 /* HDF5 cannot recover from a disk that fills up while it writes, so the space is reserved first. */
 static conceg_status reserve(const struct writer *writer, int fd, uint64_t bytes) {
   if (fallocate(fd, FALLOC_FL_KEEP_SIZE, 0, (off_t)bytes) == 0 || errno != ENOSPC) return CONCEG_OK;
-  return conceg_ctx_fail(writer->ctx, CONCEG_E_IO, "%s: cannot be written: %s: expected room for %llu MiB", writer->name, strerror(ENOSPC),
-                         (unsigned long long)((bytes >> 20) + 1));
+  return conceg_ctx_fail(writer->ctx, CONCEG_E_IO, "%s: cannot be written: %s: expected room for %llu MiB",
+                         writer->name, strerror(ENOSPC), (unsigned long long)((bytes >> 20) + 1));
 }
 
 /* Frees what was reserved beyond the end. */
@@ -233,7 +253,7 @@ static void trim(int fd) {
 static hid_t create_file(const char *path) {
   const hid_t access = h5_access(1), creation = H5Pcreate(H5P_FILE_CREATE);
   H5Pset_obj_track_times(creation, 0);
-  const hid_t file = H5Fcreate(path, H5F_ACC_EXCL, creation, access);
+  const hid_t file = H5Fcreate(path, H5F_ACC_TRUNC, creation, access);
   H5Pclose(access);
   H5Pclose(creation);
   return file;
@@ -249,14 +269,10 @@ static void make_lists(struct writer *writer) {
   H5Pset_fill_time(writer->dataset_list, H5D_FILL_TIME_NEVER);
 }
 
-static conceg_status write_file(struct writer *writer, const struct entry *root, int fd) {
-  uint64_t objects = 0;
-  writer->total = tree_bytes(root, &objects);
-  conceg_status status = reserve(writer, fd, writer->total + objects * 1024);
-  if (status != CONCEG_OK) return status;
+static conceg_status write_file(struct writer *writer, const struct entry *root) {
   make_lists(writer);
   const hid_t group = H5Gopen2(writer->file, "/", H5P_DEFAULT);
-  status = write_attributes(writer, group, root);
+  conceg_status status = write_attributes(writer, group, root);
   if (status == CONCEG_OK) status = write_children(writer, group, root);
   H5Gclose(group);
   H5Pclose(writer->group_list);
@@ -264,29 +280,39 @@ static conceg_status write_file(struct writer *writer, const struct entry *root,
   return status;
 }
 
-conceg_status h5_write(conceg_ctx *ctx, const char *path, const char *name, const struct entry *root, struct h5_file *source,
-                       int anonymous, int *fd) {
-  struct writer writer = {.ctx = ctx, .name = name, .source = source};
-  conceg_status status = CONCEG_OK;
-  h5_lock();
-  errno = 0;
-  writer.file = create_file(path);
-  if (writer.file < 0) {
-    status = h5_fail(ctx, CONCEG_E_IO, name, "", "cannot be written");
-    h5_unlock();
-    return status;
-  }
-  *fd = open(path, O_RDWR | O_CLOEXEC);
-  if (*fd < 0) status = conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: %s", name, strerror(errno));
+/* Fills the empty file at `path`, which `fd` has open too; leaves its name to the caller unless `anonymous`.
+ */
+static conceg_status fill_file(struct writer *writer, const char *path, const struct entry *root,
+                               int anonymous, int fd) {
+  uint64_t objects = 0;
+  writer->total = tree_bytes(root, &objects);
+  const uint64_t room = writer->total + objects * 1024 + 4096;
+  conceg_status status = reserve(writer, fd, room);
+  if (status != CONCEG_OK) return status;
+  writer->file = create_file(path); /* which gives the room back */
+  if (writer->file < 0) return h5_fail(writer->ctx, CONCEG_E_IO, writer->name, "", "cannot be written");
   if (anonymous) unlink(path);
-  if (status == CONCEG_OK) status = write_file(&writer, root, *fd);
-  if (H5Fclose(writer.file) < 0 && status == CONCEG_OK) status = h5_fail(ctx, CONCEG_E_IO, name, "", "cannot be written");
+  status = reserve(writer, fd, room);
+  if (status == CONCEG_OK) status = write_file(writer, root);
+  if (H5Fclose(writer->file) < 0 && status == CONCEG_OK)
+    status = h5_fail(writer->ctx, CONCEG_E_IO, writer->name, "", "cannot be written");
+  return status;
+}
+
+conceg_status h5_write(conceg_ctx *ctx, const char *path, const char *name, const struct entry *root,
+                       struct h5_file *source, int anonymous, int *fd) {
+  struct writer writer = {.ctx = ctx, .name = name, .source = source};
+  *fd = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (*fd < 0) return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: %s", name, strerror(errno));
+  h5_lock();
+  const conceg_status status = fill_file(&writer, path, root, anonymous, *fd);
   h5_unlock();
   if (status == CONCEG_OK) {
     trim(*fd);
     return CONCEG_OK;
   }
-  if (!anonymous) unlink(path);
-  if (*fd >= 0) close(*fd);
+  unlink(path); /* gone already when anonymous, unless the file could not even be started */
+  close(*fd);
+  *fd = -1;
   return status;
 }

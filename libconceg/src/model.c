@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * The substrate handle: plain copies of what a simulator needs. Everything is checked while it is copied, so that the
- * read-only functions need no check but that of the index. */
+ * The substrate handle: plain copies of what a simulator needs. Everything is checked while it is copied, so
+ * that the read-only functions need no check but that of the index. */
 #define _POSIX_C_SOURCE 200809L
 #include "doc_internal.h"
 
@@ -34,20 +34,26 @@ struct conceg_substrate {
   uint8_t *compartment;
 };
 
-/* A copy of the array at `path`, which must have this type and `columns` values a row; *rows receives how many. */
-static conceg_status copy_array(conceg_doc *doc, const char *path, conceg_dtype dtype, uint64_t columns, uint64_t *rows, void **out) {
+/* A copy of the array at `path`, which must have this type and `columns` values a row; *rows receives how
+ * many. */
+static conceg_status copy_array(conceg_doc *doc, const char *path, conceg_dtype dtype, uint64_t columns,
+                                uint64_t *rows, void **out) {
   conceg_array array = {.size = sizeof array};
   conceg_status status = conceg_doc_read(doc, path, &array);
   if (status != CONCEG_OK) return status;
   conceg_ctx *ctx = doc->budget.ctx;
   uint64_t width = 1;
-  for (uint32_t axis = 1; axis < array.rank; axis++) width *= array.shape[axis];
+  for (uint32_t axis = 1; axis < array.rank; axis++)
+    width *= array.shape[axis];
   if (array.dtype != dtype || !array.rank || width != columns)
-    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s: expected rows of %llu %s, got rows of %llu %s", path, (unsigned long long)columns,
-                           conceg_dtype_name(dtype), (unsigned long long)width, conceg_dtype_name(array.dtype));
+    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s: expected rows of %llu %s, got rows of %llu %s", path,
+                           (unsigned long long)columns, conceg_dtype_name(dtype), (unsigned long long)width,
+                           conceg_dtype_name(array.dtype));
   const uint64_t bytes = conceg_array_count(&array) * conceg_dtype_bytes(dtype);
   void *copy = malloc(bytes ? bytes : 1);
-  if (!copy) return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "%s: out of memory for %llu bytes", path, (unsigned long long)bytes);
+  if (!copy)
+    return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "%s: out of memory for %llu bytes", path,
+                           (unsigned long long)bytes);
   if (bytes) memcpy(copy, array.data, bytes);
   *out = copy;
   *rows = array.shape[0];
@@ -55,23 +61,26 @@ static conceg_status copy_array(conceg_doc *doc, const char *path, conceg_dtype 
 }
 
 /* The same where the number of rows is known. */
-static conceg_status copy_rows(conceg_doc *doc, const char *path, conceg_dtype dtype, uint64_t columns, uint64_t rows, void **out) {
+static conceg_status copy_rows(conceg_doc *doc, const char *path, conceg_dtype dtype, uint64_t columns,
+                               uint64_t rows, void **out) {
   uint64_t got = 0;
   const conceg_status status = copy_array(doc, path, dtype, columns, &got, out);
   if (status != CONCEG_OK || got == rows) return status;
-  return conceg_ctx_fail(doc->budget.ctx, CONCEG_E_FORMAT, "%s: expected %llu rows, got %llu", path, (unsigned long long)rows,
-                         (unsigned long long)got);
+  return conceg_ctx_fail(doc->budget.ctx, CONCEG_E_FORMAT, "%s: expected %llu rows, got %llu", path,
+                         (unsigned long long)rows, (unsigned long long)got);
 }
 
 /* The same for an array that may be absent, which is then zero everywhere. */
-static conceg_status copy_optional(conceg_doc *doc, const char *path, conceg_dtype dtype, uint64_t columns, uint64_t rows, void **out) {
+static conceg_status copy_optional(conceg_doc *doc, const char *path, conceg_dtype dtype, uint64_t columns,
+                                   uint64_t rows, void **out) {
   if (conceg_doc_has(doc, path)) return copy_rows(doc, path, dtype, columns, rows, out);
   *out = calloc(rows ? rows : 1, columns * conceg_dtype_bytes(dtype));
   return *out ? CONCEG_OK : conceg_ctx_fail(doc->budget.ctx, CONCEG_E_NOMEM, "%s: out of memory", path);
 }
 
 /* Offsets of `rows` rows into an array, whose length is *end. */
-static conceg_status copy_offsets(conceg_doc *doc, const char *path, uint64_t rows, uint64_t **out, uint64_t *end) {
+static conceg_status copy_offsets(conceg_doc *doc, const char *path, uint64_t rows, uint64_t **out,
+                                  uint64_t *end) {
   void *copy = NULL;
   const conceg_status status = copy_rows(doc, path, CONCEG_U64, 1, rows + 1, &copy);
   *out = copy;
@@ -79,7 +88,8 @@ static conceg_status copy_offsets(conceg_doc *doc, const char *path, uint64_t ro
   const uint64_t *at = *out;
   for (uint64_t i = 0; i <= rows; i++)
     if (at[i] < (i ? at[i - 1] : 0) || (!i && at[0]))
-      return conceg_ctx_fail(doc->budget.ctx, CONCEG_E_FORMAT, "%s[%llu]: expected offsets that start at 0 and never fall, got %llu", path,
+      return conceg_ctx_fail(doc->budget.ctx, CONCEG_E_FORMAT,
+                             "%s[%llu]: expected offsets that start at 0 and never fall, got %llu", path,
                              (unsigned long long)i, (unsigned long long)at[i]);
   *end = at[rows];
   return CONCEG_OK;
@@ -94,16 +104,18 @@ static conceg_status copy_attribute(conceg_doc *doc, const char *path, conceg_dt
 }
 
 /* `rows` NULL = any number; else as many texts as *rows. */
-static conceg_status copy_texts(conceg_doc *doc, const char *path, const uint64_t *rows, uint64_t *count, char ***out) {
+static conceg_status copy_texts(conceg_doc *doc, const char *path, const uint64_t *rows, uint64_t *count,
+                                char ***out) {
   conceg_array array = {.size = sizeof array};
   conceg_status status = conceg_doc_read(doc, path, &array);
   if (status != CONCEG_OK) return status;
   conceg_ctx *ctx = doc->budget.ctx;
   if (array.dtype != CONCEG_TEXT || array.rank != 1)
-    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s: expected a list of texts, got %s", path, conceg_dtype_name(array.dtype));
+    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s: expected a list of texts, got %s", path,
+                           conceg_dtype_name(array.dtype));
   if (rows && *rows != array.shape[0])
-    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s: expected %llu texts, got %llu", path, (unsigned long long)*rows,
-                           (unsigned long long)array.shape[0]);
+    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s: expected %llu texts, got %llu", path,
+                           (unsigned long long)*rows, (unsigned long long)array.shape[0]);
   *count = array.shape[0];
   *out = calloc(*count + 1, sizeof **out);
   for (uint64_t i = 0; *out && i < *count; i++)
@@ -112,11 +124,12 @@ static conceg_status copy_texts(conceg_doc *doc, const char *path, const uint64_
   return CONCEG_OK;
 }
 
-static conceg_status check_below(conceg_ctx *ctx, const char *path, const uint32_t *values, uint64_t count, uint64_t limit) {
+static conceg_status check_below(conceg_ctx *ctx, const char *path, const uint32_t *values, uint64_t count,
+                                 uint64_t limit) {
   for (uint64_t i = 0; i < count; i++)
     if (values[i] >= limit)
-      return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s[%llu]: expected an index below %llu, got %u", path, (unsigned long long)i,
-                             (unsigned long long)limit, values[i]);
+      return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s[%llu]: expected an index below %llu, got %u", path,
+                             (unsigned long long)i, (unsigned long long)limit, values[i]);
   return CONCEG_OK;
 }
 
@@ -163,7 +176,8 @@ static conceg_status copy_skeletons(conceg_doc *doc, conceg_substrate *s) {
   for (uint64_t cell = 0; status == CONCEG_OK && cell < s->cells; cell++)
     for (uint64_t i = s->cell_offset[cell]; i < s->cell_offset[cell + 1]; i++)
       if (s->parent[i] < -1 || s->parent[i] >= (int64_t)(i - s->cell_offset[cell]))
-        return conceg_ctx_fail(s->ctx, CONCEG_E_FORMAT, "/skeleton/parent[%llu]: expected an earlier row of its cell, or -1, got %lld",
+        return conceg_ctx_fail(s->ctx, CONCEG_E_FORMAT,
+                               "/skeleton/parent[%llu]: expected an earlier row of its cell, or -1, got %lld",
                                (unsigned long long)i, (long long)s->parent[i]);
   return status;
 }
@@ -173,8 +187,9 @@ static conceg_status check_faces(const conceg_substrate *s) {
     const uint64_t limit = s->vertex_offset[k + 1] - s->vertex_offset[k];
     for (uint64_t i = 3 * s->face_offset[k]; i < 3 * s->face_offset[k + 1]; i++)
       if (s->face[i] >= limit)
-        return conceg_ctx_fail(s->ctx, CONCEG_E_FORMAT, "/meshes/face[%llu,%llu]: expected a vertex below %llu, got %u",
-                               (unsigned long long)(i / 3), (unsigned long long)(i % 3), (unsigned long long)limit, s->face[i]);
+        return conceg_ctx_fail(
+            s->ctx, CONCEG_E_FORMAT, "/meshes/face[%llu,%llu]: expected a vertex below %llu, got %u",
+            (unsigned long long)(i / 3), (unsigned long long)(i % 3), (unsigned long long)limit, s->face[i]);
   }
   return CONCEG_OK;
 }
@@ -185,8 +200,10 @@ static conceg_status copy_meshes(conceg_doc *doc, conceg_substrate *s) {
   if (!conceg_doc_has(doc, "/meshes")) return CONCEG_OK;
   COPY_INTO(s->mesh_cell, copy_array(doc, "/meshes/cell", CONCEG_U32, 1, &s->meshes, &copy_));
   if (status == CONCEG_OK) status = check_below(s->ctx, "/meshes/cell", s->mesh_cell, s->meshes, s->cells);
-  if (status == CONCEG_OK) status = copy_offsets(doc, "/meshes/vertex_offset", s->meshes, &s->vertex_offset, &vertices);
-  if (status == CONCEG_OK) status = copy_offsets(doc, "/meshes/face_offset", s->meshes, &s->face_offset, &faces);
+  if (status == CONCEG_OK)
+    status = copy_offsets(doc, "/meshes/vertex_offset", s->meshes, &s->vertex_offset, &vertices);
+  if (status == CONCEG_OK)
+    status = copy_offsets(doc, "/meshes/face_offset", s->meshes, &s->face_offset, &faces);
   COPY_INTO(s->vertex, copy_rows(doc, "/meshes/vertex", CONCEG_F64, 3, vertices, &copy_));
   COPY_INTO(s->face, copy_rows(doc, "/meshes/face", CONCEG_U32, 3, faces, &copy_));
   COPY_INTO(s->compartment, copy_optional(doc, "/meshes/compartment", CONCEG_U8, 1, faces, &copy_));
@@ -205,13 +222,16 @@ conceg_status conceg_substrate_open(conceg_doc *doc, conceg_substrate **out) {
   if (status == CONCEG_OK) status = copy_skeletons(doc, s);
   if (status == CONCEG_OK) status = copy_meshes(doc, s);
   s->ctx = NULL;
-  if (status == CONCEG_OK) *out = s;
-  else conceg_substrate_free(s);
+  if (status == CONCEG_OK)
+    *out = s;
+  else
+    conceg_substrate_free(s);
   return status;
 }
 
 static void free_texts(char **texts, uint64_t count) {
-  for (uint64_t i = 0; texts && i < count; i++) free(texts[i]);
+  for (uint64_t i = 0; texts && i < count; i++)
+    free(texts[i]);
   free(texts);
 }
 
@@ -219,10 +239,11 @@ void conceg_substrate_free(conceg_substrate *s) {
   if (!s) return;
   free_texts(s->type_name, s->types);
   free_texts(s->class_name, s->classes);
-  void *const arrays[] = {s->id,   s->type,      s->soma,          s->soma_radius, s->cell_offset, s->position, s->radius,
-                          s->parent, s->kind,    s->mesh_cell,     s->vertex_offset, s->face_offset, s->vertex, s->volume,
-                          s->area, s->face,      s->compartment};
-  for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) free(arrays[i]);
+  void *const arrays[] = {s->id,     s->type,   s->soma, s->soma_radius, s->cell_offset,   s->position,
+                          s->radius, s->parent, s->kind, s->mesh_cell,   s->vertex_offset, s->face_offset,
+                          s->vertex, s->volume, s->area, s->face,        s->compartment};
+  for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+    free(arrays[i]);
   free(s);
 }
 
@@ -232,8 +253,12 @@ void conceg_substrate_box(const conceg_substrate *s, double lo[3], double hi[3],
   memcpy(periodic, s->periodic, sizeof s->periodic);
 }
 
-uint64_t conceg_substrate_cells(const conceg_substrate *s) { return s->cells; }
-uint64_t conceg_substrate_meshes(const conceg_substrate *s) { return s->meshes; }
+uint64_t conceg_substrate_cells(const conceg_substrate *s) {
+  return s->cells;
+}
+uint64_t conceg_substrate_meshes(const conceg_substrate *s) {
+  return s->meshes;
+}
 
 conceg_status conceg_substrate_cell(const conceg_substrate *s, uint64_t cell, conceg_cell_view *out) {
   if (out->size < sizeof *out) return CONCEG_E_USAGE;

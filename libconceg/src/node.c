@@ -58,14 +58,16 @@ conceg_node *node_clone(const conceg_node *node) {
 
 const char *node_file(const conceg_node *node) {
   const conceg_node *root = node;
-  while (root->parent) root = root->parent;
+  while (root->parent)
+    root = root->parent;
   return node->line && root->file ? root->file : "--set";
 }
 
 void node_set_line(conceg_node *node, uint32_t line) {
   uint32_t i;
   node->line = line;
-  for (i = 0; i < node->count; i++) node_set_line(node->child[i], line);
+  for (i = 0; i < node->count; i++)
+    node_set_line(node->child[i], line);
 }
 
 static int grow_children(conceg_node *parent) {
@@ -132,7 +134,8 @@ conceg_node *node_find(const conceg_node *map, const char *key) {
 }
 
 static int is_null_text(const char *text) {
-  return !*text || !strcmp(text, "~") || !strcmp(text, "null") || !strcmp(text, "Null") || !strcmp(text, "NULL");
+  return !*text || !strcmp(text, "~") || !strcmp(text, "null") || !strcmp(text, "Null") ||
+         !strcmp(text, "NULL");
 }
 
 int node_is_null(const conceg_node *node) {
@@ -144,7 +147,8 @@ void node_path(const conceg_node *node, struct text *out) {
   uint32_t i;
   if (!parent) return;
   node_path(parent, out);
-  for (i = 0; i < parent->count && parent->child[i] != node;) i++;
+  for (i = 0; i < parent->count && parent->child[i] != node;)
+    i++;
   if (i == parent->count) return;
   if (parent->kind == NODE_LIST) {
     text_format(out, "[%u]", i);
@@ -170,7 +174,8 @@ int node_equal(const conceg_node *a, const conceg_node *b) {
 
 static const char *skip_digits(const char *p, int *count) {
   const char *start = p;
-  while (*p >= '0' && *p <= '9') p++;
+  while (*p >= '0' && *p <= '9')
+    p++;
   *count = (int)(p - start > 1000 ? 1000 : p - start);
   return p;
 }
@@ -233,7 +238,9 @@ const conceg_node *conceg_node_get(const conceg_node *node, const char *path) {
   return node;
 }
 
-uint32_t conceg_node_count(const conceg_node *node) { return node ? node->count : 0; }
+uint32_t conceg_node_count(const conceg_node *node) {
+  return node ? node->count : 0;
+}
 
 const conceg_node *conceg_node_at(const conceg_node *node, uint32_t index) {
   return node && index < node->count ? node->child[index] : NULL;
@@ -243,9 +250,15 @@ const char *conceg_node_key(const conceg_node *node, uint32_t index) {
   return node && node->kind == NODE_MAP && index < node->count ? node->key[index] : NULL;
 }
 
-int conceg_node_is_map(const conceg_node *node) { return node && node->kind == NODE_MAP; }
-int conceg_node_is_list(const conceg_node *node) { return node && node->kind == NODE_LIST; }
-uint32_t conceg_node_line(const conceg_node *node) { return node ? node->line : 0; }
+int conceg_node_is_map(const conceg_node *node) {
+  return node && node->kind == NODE_MAP;
+}
+int conceg_node_is_list(const conceg_node *node) {
+  return node && node->kind == NODE_LIST;
+}
+uint32_t conceg_node_line(const conceg_node *node) {
+  return node ? node->line : 0;
+}
 const char *conceg_node_text(const conceg_node *node) {
   return node && node->kind == NODE_SCALAR ? node->text : NULL;
 }
@@ -255,8 +268,10 @@ static conceg_status wrong_scalar(conceg_ctx *ctx, const conceg_node *node, cons
   if (!node) return conceg_ctx_fail(ctx, CONCEG_E_MISSING, "recipe: expected %s, got nothing", expected);
   node_path(node, &path);
   node_emit_flow(node, &got);
-  if (node->line) text_format(&place, "%s:%u", node_file(node), node->line);
-  else text_put(&place, node_file(node));
+  if (node->line)
+    text_format(&place, "%s:%u", node_file(node), node->line);
+  else
+    text_put(&place, node_file(node));
   conceg_ctx_fail(ctx, CONCEG_E_PARAM, "%s: %s: expected %s, got %.60s", place.data ? place.data : "",
                   path.data ? path.data : "value", expected, got.data ? got.data : "");
   text_free(&place);
@@ -299,18 +314,22 @@ static int plain_is_safe(const char *text) {
   return p[-1] != ' ' && strcmp(text, "---") != 0 && strcmp(text, "...") != 0;
 }
 
-/* 1 if a plain scalar of this text would be read as something else than text, here or by other YAML readers. */
+/* 1 if a plain scalar of this text would be read as something else than text, here or by other YAML readers.
+ */
 static int plain_has_a_type(const char *text) {
-  static const char *const words[] = {"y", "n", "yes", "no", "on", "off", "Yes", "No", "On", "Off", "YES", "NO", "ON", "OFF", NULL};
+  static const char *const words[] = {"y",  "n",   "yes", "no", "on", "off", "Yes", "No",
+                                      "On", "Off", "YES", "NO", "ON", "OFF", NULL};
   double number;
   int boolean, i;
   for (i = 0; words[i]; i++)
     if (!strcmp(text, words[i])) return 1;
   return is_null_text(text) || text_to_f64(text, &number) || text_to_bool(text, &boolean) ||
-         (*text >= '0' && *text <= '9') || *text == '.' || *text == '+' || *text == '-' || *text == '=' || *text == '<';
+         (*text >= '0' && *text <= '9') || *text == '.' || *text == '+' || *text == '-' || *text == '=' ||
+         *text == '<';
 }
 
-/* Length in bytes of the UTF-8 character at p, and its code point. The text is valid UTF-8: libyaml has checked it. */
+/* Length in bytes of the UTF-8 character at p, and its code point. The text is valid UTF-8: libyaml has
+ * checked it. */
 static int utf8_next(const unsigned char *p, uint32_t *code) {
   int length = *p < 0x80 ? 1 : *p < 0xe0 ? 2 : *p < 0xf0 ? 3 : 4, i;
   *code = length == 1 ? *p : *p & (0x7fu >> length);
@@ -327,21 +346,30 @@ static void emit_quoted(const char *text, struct text *out) {
   while (*p) {
     uint32_t code;
     const int length = utf8_next(p, &code);
-    if (code == '"' || code == '\\') text_format(out, "\\%c", (char)code);
-    else if (code == '\n') text_put(out, "\\n");
-    else if (code == '\t') text_put(out, "\\t");
-    else if (code < 0x20 || (code >= 0x7f && code < 0xa0)) text_format(out, "\\x%02x", code);
-    else if (code == 0x2028 || code == 0x2029 || code == 0xfeff || code == 0xfffd) text_format(out, "\\u%04x", code);
-    else text_add(out, (const char *)p, (size_t)length);
+    if (code == '"' || code == '\\')
+      text_format(out, "\\%c", (char)code);
+    else if (code == '\n')
+      text_put(out, "\\n");
+    else if (code == '\t')
+      text_put(out, "\\t");
+    else if (code < 0x20 || (code >= 0x7f && code < 0xa0))
+      text_format(out, "\\x%02x", code);
+    else if (code == 0x2028 || code == 0x2029 || code == 0xfeff || code == 0xfffd)
+      text_format(out, "\\u%04x", code);
+    else
+      text_add(out, (const char *)p, (size_t)length);
     p += length;
   }
   text_put(out, "\"");
 }
 
 void node_emit_scalar(const char *text, int quoted, struct text *out) {
-  if (!quoted && is_null_text(text)) text_put(out, "null");
-  else if (plain_is_safe(text) && !(quoted && plain_has_a_type(text))) text_put(out, text);
-  else emit_quoted(text, out);
+  if (!quoted && is_null_text(text))
+    text_put(out, "null");
+  else if (plain_is_safe(text) && !(quoted && plain_has_a_type(text)))
+    text_put(out, text);
+  else
+    emit_quoted(text, out);
 }
 
 void node_emit_flow(const conceg_node *node, struct text *out) {
@@ -368,7 +396,8 @@ static void emit_block(const conceg_node *node, unsigned indent, struct text *ou
   for (i = 0; i < node->count; i++) {
     const conceg_node *child = node->child[i];
     unsigned space;
-    for (space = 0; space < indent; space++) text_put(out, " ");
+    for (space = 0; space < indent; space++)
+      text_put(out, " ");
     if (node->kind == NODE_LIST) {
       text_put(out, "- ");
     } else {
@@ -404,7 +433,8 @@ static unsigned edit_distance(const char *a, const char *b) {
   unsigned row[NAME_LIMIT + 1], i, j;
   const unsigned rows = (unsigned)strlen(a), columns = (unsigned)strlen(b);
   if (rows > NAME_LIMIT || columns > NAME_LIMIT) return NAME_LIMIT;
-  for (j = 0; j <= columns; j++) row[j] = j;
+  for (j = 0; j <= columns; j++)
+    row[j] = j;
   for (i = 1; i <= rows; i++) {
     unsigned diagonal = row[0];
     row[0] = i;

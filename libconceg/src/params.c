@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Parameters of a stage: from the table's defaults, the document's recipe, an own recipe and the command line to values. */
+ * Parameters of a stage: from the table's defaults, the document's recipe, an own recipe and the command line
+ * to values. */
 #include "params_internal.h"
 
 #include "conceg/run.h"
@@ -49,7 +50,9 @@ const char *conceg_params_argument(const conceg_params *params, uint32_t index) 
   return index < params->arguments ? params->argument[index] : NULL;
 }
 
-const char *conceg_params_canonical(const conceg_params *params) { return params->canonical.data; }
+const char *conceg_params_canonical(const conceg_params *params) {
+  return params->canonical.data;
+}
 
 /* ---- From text to a checked value ---- */
 
@@ -69,12 +72,19 @@ static void describe(const conceg_param *row, char *out, size_t size) {
   switch (row->type) {
   case CONCEG_PARAM_F64:
   case CONCEG_PARAM_I64:
-    snprintf(out, size, "%s from %.15g to %.15g%s%s", row->type == CONCEG_PARAM_F64 ? "a number" : "a whole number", row->lo,
-             row->hi, *unit ? " " : "", unit);
+    snprintf(out, size, "%s from %.15g to %.15g%s%s",
+             row->type == CONCEG_PARAM_F64 ? "a number" : "a whole number", row->lo, row->hi,
+             *unit ? " " : "", unit);
     break;
-  case CONCEG_PARAM_BOOL: snprintf(out, size, "true or false"); break;
-  case CONCEG_PARAM_CHOICE: snprintf(out, size, "one of %s", row->choices); break;
-  default: snprintf(out, size, "text"); break;
+  case CONCEG_PARAM_BOOL:
+    snprintf(out, size, "true or false");
+    break;
+  case CONCEG_PARAM_CHOICE:
+    snprintf(out, size, "one of %s", row->choices);
+    break;
+  default:
+    snprintf(out, size, "text");
+    break;
   }
 }
 
@@ -88,11 +98,15 @@ static int convert(const conceg_param *row, const char *text, int quoted, struct
     if (quoted || !text_to_i64(text, &out->whole)) return 0;
     out->number = (double)out->whole;
     return out->number >= row->lo && out->number <= row->hi;
-  case CONCEG_PARAM_BOOL: return !quoted && text_to_bool(text, &out->boolean);
-  case CONCEG_PARAM_CHOICE: return is_choice(row->choices, text);
+  case CONCEG_PARAM_BOOL:
+    return !quoted && text_to_bool(text, &out->boolean);
+  case CONCEG_PARAM_CHOICE:
+    return is_choice(row->choices, text);
   case CONCEG_PARAM_TEXT:
-  case CONCEG_PARAM_FILE: return 1;
-  default: return 0;
+  case CONCEG_PARAM_FILE:
+    return 1;
+  default:
+    return 0;
   }
 }
 
@@ -105,36 +119,43 @@ static int keep_text(struct param_value *value, const char *text, int quoted) {
   return 1;
 }
 
-static conceg_status no_memory(conceg_ctx *ctx) { return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "parameters: out of memory"); }
+static conceg_status no_memory(conceg_ctx *ctx) {
+  return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "parameters: out of memory");
+}
 
 static conceg_status set_defaults(conceg_ctx *ctx, conceg_params *params) {
   const conceg_param *table = params->stage->params;
   uint32_t i;
   for (i = 0; table && table[i].name; i++)
-    if (i == TABLE_LIMIT) return conceg_ctx_fail(ctx, CONCEG_E_INTERNAL, "%s: the table has more than %d rows", params->stage->kind, TABLE_LIMIT);
+    if (i == TABLE_LIMIT)
+      return conceg_ctx_fail(ctx, CONCEG_E_INTERNAL, "%s: the table has more than %d rows",
+                             params->stage->kind, TABLE_LIMIT);
   params->count = i;
   if (!params->value) params->value = calloc(params->count + 1, sizeof *params->value);
   if (!params->value) return no_memory(ctx);
   for (i = 0; i < params->count; i++) {
     const int is_text = table[i].type == CONCEG_PARAM_TEXT || table[i].type == CONCEG_PARAM_FILE;
     if (!table[i].fallback || !convert(&table[i], table[i].fallback, 0, &params->value[i]))
-      return conceg_ctx_fail(ctx, CONCEG_E_INTERNAL, "%s.%s: the default \"%s\" does not fit its own row of the table",
-                             params->stage->kind, table[i].name, table[i].fallback ? table[i].fallback : "(null)");
+      return conceg_ctx_fail(
+          ctx, CONCEG_E_INTERNAL, "%s.%s: the default \"%s\" does not fit its own row of the table",
+          params->stage->kind, table[i].name, table[i].fallback ? table[i].fallback : "(null)");
     if (!keep_text(&params->value[i], table[i].fallback, is_text)) return no_memory(ctx);
     params->value[i].given = 0;
   }
   return CONCEG_OK;
 }
 
-static conceg_status unknown_parameter(conceg_ctx *ctx, const conceg_params *params, const conceg_node *node, const char *key) {
+static conceg_status unknown_parameter(conceg_ctx *ctx, const conceg_params *params, const conceg_node *node,
+                                       const char *key) {
   const char *names[TABLE_LIMIT + 2], *near;
   uint32_t i;
-  for (i = 0; i < params->count; i++) names[i] = params->stage->params[i].name;
+  for (i = 0; i < params->count; i++)
+    names[i] = params->stage->params[i].name;
   names[i++] = "impl";
   names[i] = NULL;
   near = nearest_name(key, names);
-  return fail_node(ctx, CONCEG_E_PARAM, node, "unknown key %s.%.80s%s%s%s", params->stage->kind, key, near ? "; did you mean " : "",
-                   near ? near : "", near ? "?" : "");
+  return fail_node(ctx, CONCEG_E_PARAM, node, "unknown key %s.%.80s%s%s%s", params->stage->kind, key,
+                   near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
 }
 
 /* Takes the values of one recipe's section for this stage. */
@@ -145,12 +166,14 @@ static conceg_status take_section(conceg_ctx *ctx, conceg_params *params, const 
     const conceg_node *node = section->child[i];
     const char *key = section->key[i];
     if (!strcmp(key, "impl")) continue;
-    for (row = 0; row < params->count && strcmp(params->stage->params[row].name, key) != 0;) row++;
+    for (row = 0; row < params->count && strcmp(params->stage->params[row].name, key) != 0;)
+      row++;
     if (row == params->count) return unknown_parameter(ctx, params, node, key);
     if (!convert(&params->stage->params[row], node->text, node->quoted, &params->value[row])) {
       char expected[200];
       describe(&params->stage->params[row], expected, sizeof expected);
-      return fail_node(ctx, CONCEG_E_PARAM, node, "%s.%s: expected %s, got %.80s", params->stage->kind, key, expected, node->text);
+      return fail_node(ctx, CONCEG_E_PARAM, node, "%s.%s: expected %s, got %.80s", params->stage->kind, key,
+                       expected, node->text);
     }
     if (!keep_text(&params->value[row], node->text, node->quoted)) return no_memory(ctx);
     params->value[row].given = 1;
@@ -170,7 +193,8 @@ static int put_copy(conceg_node *map, const char *key, const conceg_node *node) 
 
 /* The stage's own -p over the document's recipe: its section and its seed. */
 static conceg_status overlay(conceg_ctx *ctx, conceg_params *params, const conceg_recipe *own) {
-  const conceg_node *section = node_find(own->root, params->stage->kind), *seed = node_find(own->root, "seed");
+  const conceg_node *section = node_find(own->root, params->stage->kind),
+                    *seed = node_find(own->root, "seed");
   conceg_node *target;
   uint32_t i;
   if (seed && !put_copy(params->recipe->root, "seed", seed)) return no_memory(ctx);
@@ -182,29 +206,36 @@ static conceg_status overlay(conceg_ctx *ctx, conceg_params *params, const conce
   return recipe_check(ctx, params->recipe->root);
 }
 
-/* What only the source stage reads cannot be changed later: /recipe would no longer say what the document holds. */
+/* What only the source stage reads cannot be changed later: /recipe would no longer say what the document
+ * holds. */
 static conceg_status check_late_set(conceg_ctx *ctx, const conceg_stage *stage, const char *assignment) {
-  static const char *const early[] = {"conceg", "title", "domain", "dictionary", "density_per_um3", "density_profile", "layers", "types", NULL};
+  static const char *const early[] = {"conceg",          "title",  "domain", "dictionary", "density_per_um3",
+                                      "density_profile", "layers", "types",  NULL};
   const size_t length = strcspn(assignment, ".[=");
   int i;
   for (i = 0; early[i]; i++)
     if (strlen(early[i]) == length && !memcmp(early[i], assignment, length))
-      return conceg_ctx_fail(ctx, CONCEG_E_PARAM, "--set %.80s: %s does not read %s; set it where the document is made, at place",
+      return conceg_ctx_fail(ctx, CONCEG_E_PARAM,
+                             "--set %.80s: %s does not read %s; set it where the document is made, at place",
                              assignment, stage->kind, early[i]);
   return CONCEG_OK;
 }
 
 static void warn_overridden(conceg_ctx *ctx, const conceg_params *params, const conceg_recipe *before) {
-  const conceg_node *old = node_find(before->root, params->stage->kind), *now = node_find(params->recipe->root, params->stage->kind);
-  const conceg_node *seed = node_find(before->root, "seed"), *new_seed = node_find(params->recipe->root, "seed");
+  const conceg_node *old = node_find(before->root, params->stage->kind),
+                    *now = node_find(params->recipe->root, params->stage->kind);
+  const conceg_node *seed = node_find(before->root, "seed"),
+                    *new_seed = node_find(params->recipe->root, "seed");
   uint32_t i;
   if (seed && new_seed && !node_equal(seed, new_seed))
-    conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "seed: %s overrides %s of the document's /recipe", new_seed->text, seed->text);
+    conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "seed: %s overrides %s of the document's /recipe", new_seed->text,
+                   seed->text);
   for (i = 0; old && i < old->count; i++) {
     const conceg_node *value = now ? node_find(now, old->key[i]) : NULL;
     if (!node_equal(old->child[i], value))
-      conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "%s.%s: %s overrides %s of the document's /recipe", params->stage->kind, old->key[i],
-                     value ? value->text : "the default", old->child[i]->text);
+      conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "%s.%s: %s overrides %s of the document's /recipe",
+                     params->stage->kind, old->key[i], value ? value->text : "the default",
+                     old->child[i]->text);
   }
 }
 
@@ -213,7 +244,8 @@ static void remove_files(conceg_params *params) {
   conceg_node *section = node_find(params->recipe->root, params->stage->kind);
   uint32_t i;
   for (i = 0; section && section->kind == NODE_MAP && i < params->count; i++)
-    if (params->stage->params[i].type == CONCEG_PARAM_FILE) node_remove(section, params->stage->params[i].name);
+    if (params->stage->params[i].type == CONCEG_PARAM_FILE)
+      node_remove(section, params->stage->params[i].name);
   if (section && section->count == 0) node_remove(params->recipe->root, params->stage->kind);
 }
 
@@ -235,8 +267,10 @@ static conceg_status take_seed(conceg_ctx *ctx, conceg_params *params) {
   return CONCEG_OK;
 }
 
-/* Makes params->recipe out of the document's recipe, the own one and the sets; decides whether /recipe is to be written. */
-static conceg_status merge(conceg_ctx *ctx, conceg_params *params, conceg_doc *doc, const conceg_recipe *own, const char *const *sets) {
+/* Makes params->recipe out of the document's recipe, the own one and the sets; decides whether /recipe is to
+ * be written. */
+static conceg_status merge(conceg_ctx *ctx, conceg_params *params, conceg_doc *doc, const conceg_recipe *own,
+                           const char *const *sets) {
   conceg_recipe *before = NULL;
   conceg_status status = CONCEG_OK;
   const char *text, *old;
@@ -266,8 +300,10 @@ static conceg_status merge(conceg_ctx *ctx, conceg_params *params, conceg_doc *d
     recipe_changed(params->recipe);
     text = conceg_recipe_text(params->recipe);
     old = before ? conceg_recipe_text(before) : "";
-    if (!text || !old) status = no_memory(ctx);
-    else params->recipe_is_new |= strcmp(text, old) != 0;
+    if (!text || !old)
+      status = no_memory(ctx);
+    else
+      params->recipe_is_new |= strcmp(text, old) != 0;
   }
   conceg_recipe_free(before);
   return status;
@@ -283,7 +319,8 @@ static int make_canonical(conceg_params *params) {
     if (written++) text_put(&params->canonical, ", ");
     node_emit_scalar(params->stage->params[i].name, 1, &params->canonical);
     text_put(&params->canonical, ": ");
-    node_emit_scalar(params->value[i].text, params->value[i].quoted || params->stage->params[i].type == CONCEG_PARAM_TEXT,
+    node_emit_scalar(params->value[i].text,
+                     params->value[i].quoted || params->stage->params[i].type == CONCEG_PARAM_TEXT,
                      &params->canonical);
   }
   text_put(&params->canonical, "}");
@@ -292,7 +329,8 @@ static int make_canonical(conceg_params *params) {
 
 static int keep_arguments(conceg_params *params, const char *const *arguments) {
   uint32_t count = 0;
-  while (arguments && arguments[count]) count++;
+  while (arguments && arguments[count])
+    count++;
   params->argument = calloc(count + 1, sizeof *params->argument);
   if (!params->argument) return 0;
   for (; params->arguments < count; params->arguments++) {
@@ -303,8 +341,9 @@ static int keep_arguments(conceg_params *params, const char *const *arguments) {
   return 1;
 }
 
-conceg_status conceg_params_new(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc, const conceg_recipe *recipe,
-                                const char *const *sets, const char *const *arguments, conceg_params **out) {
+conceg_status conceg_params_new(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc,
+                                const conceg_recipe *recipe, const char *const *sets,
+                                const char *const *arguments, conceg_params **out) {
   conceg_params *params = calloc(1, sizeof *params);
   conceg_status status;
   *out = NULL;
@@ -314,7 +353,8 @@ conceg_status conceg_params_new(conceg_ctx *ctx, const conceg_stage *stage, conc
   params->misuse = calloc(1, sizeof *params->misuse);
   status = params->misuse ? set_defaults(ctx, params) : no_memory(ctx);
   if (status == CONCEG_OK) status = merge(ctx, params, doc, recipe, sets);
-  if (status == CONCEG_OK && !(make_canonical(params) && keep_arguments(params, arguments))) status = no_memory(ctx);
+  if (status == CONCEG_OK && !(make_canonical(params) && keep_arguments(params, arguments)))
+    status = no_memory(ctx);
   if (status != CONCEG_OK) {
     conceg_params_free(params);
     return status;
@@ -326,9 +366,11 @@ conceg_status conceg_params_new(conceg_ctx *ctx, const conceg_stage *stage, conc
 void conceg_params_free(conceg_params *params) {
   uint32_t i;
   if (!params) return;
-  for (i = 0; params->value && i < params->count; i++) free(params->value[i].text);
+  for (i = 0; params->value && i < params->count; i++)
+    free(params->value[i].text);
   free(params->value);
-  for (i = 0; i < params->arguments; i++) free(params->argument[i]);
+  for (i = 0; i < params->arguments; i++)
+    free(params->argument[i]);
   free(params->argument);
   text_free(&params->canonical);
   free(params->misuse);

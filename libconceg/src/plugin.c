@@ -12,7 +12,9 @@
 #define PREFIX "libconceg_stage_"
 #define SUFFIX ".so"
 
-static conceg_status no_memory(conceg_ctx *ctx) { return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "plugins: out of memory"); }
+static conceg_status no_memory(conceg_ctx *ctx) {
+  return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "plugins: out of memory");
+}
 
 void plugin_list_free(struct plugin_list *list) {
   uint32_t i;
@@ -26,10 +28,13 @@ void plugin_list_free(struct plugin_list *list) {
 }
 
 /* Splits "libconceg_stage_grow_barcode.so" into kind and name. Returns 0 when the name is of another form. */
-static int split_name(const char *file, const char **kind, size_t *kind_length, const char **name, size_t *name_length) {
+static int split_name(const char *file, const char **kind, size_t *kind_length, const char **name,
+                      size_t *name_length) {
   const size_t length = strlen(file), prefix = strlen(PREFIX), suffix = strlen(SUFFIX);
   const char *bar;
-  if (length <= prefix + suffix || strncmp(file, PREFIX, prefix) != 0 || strcmp(file + length - suffix, SUFFIX) != 0) return 0;
+  if (length <= prefix + suffix || strncmp(file, PREFIX, prefix) != 0 ||
+      strcmp(file + length - suffix, SUFFIX) != 0)
+    return 0;
   *kind = file + prefix;
   bar = strchr(*kind, '_');
   if (!bar || bar == *kind || bar + 1 >= file + length - suffix) return 0;
@@ -80,7 +85,9 @@ static int add_plugin(struct plugin_list *list, const char *folder, const char *
   return plugin->kind && plugin->name;
 }
 
-static int by_name(const struct dirent **a, const struct dirent **b) { return strcmp((*a)->d_name, (*b)->d_name); }
+static int by_name(const struct dirent **a, const struct dirent **b) {
+  return strcmp((*a)->d_name, (*b)->d_name);
+}
 
 conceg_status plugin_scan(conceg_ctx *ctx, const char *folder, struct plugin_list *list) {
   struct dirent **entries;
@@ -100,8 +107,10 @@ static int install_folder(struct text *out) {
   const char *slash;
   if (!dladdr((void *)(uintptr_t)&plugin_scan, &info) || !info.dli_fname) return 0;
   slash = strrchr(info.dli_fname, '/');
-  if (slash) text_add(out, info.dli_fname, (size_t)(slash - info.dli_fname));
-  else text_put(out, ".");
+  if (slash)
+    text_add(out, info.dli_fname, (size_t)(slash - info.dli_fname));
+  else
+    text_put(out, ".");
   text_put(out, "/conceg/plugins");
   return !out->failed;
 }
@@ -113,8 +122,10 @@ conceg_status plugin_find_all(conceg_ctx *ctx, struct plugin_list *list) {
   while (status == CONCEG_OK && path && *path) {
     const size_t length = strcspn(path, ":");
     char *folder = text_copy(path, length);
-    if (!folder) status = no_memory(ctx);
-    else status = plugin_scan(ctx, length ? folder : install.data, list);
+    if (!folder)
+      status = no_memory(ctx);
+    else
+      status = plugin_scan(ctx, length ? folder : install.data, list);
     free(folder);
     path += length + (path[length] == ':');
   }
@@ -126,16 +137,22 @@ conceg_status plugin_find_all(conceg_ctx *ctx, struct plugin_list *list) {
 conceg_status stage_check(conceg_ctx *ctx, const conceg_stage *stage, const char *from) {
   const conceg_param *row;
   if (stage->abi != CONCEG_STAGE_ABI)
-    return conceg_ctx_fail(ctx, CONCEG_E_ABI, "%s: built for stage ABI %u, this library has %u; rebuild it with the headers of ConCeG %s", from,
-                           stage->abi, CONCEG_STAGE_ABI, conceg_version());
+    return conceg_ctx_fail(
+        ctx, CONCEG_E_ABI,
+        "%s: built for stage ABI %u, this library has %u; rebuild it with the headers of ConCeG %s", from,
+        stage->abi, CONCEG_STAGE_ABI, conceg_version());
   if (stage->size < sizeof *stage)
-    return conceg_ctx_fail(ctx, CONCEG_E_ABI, "%s: expected a descriptor of at least %zu bytes, got %u; rebuild it", from, sizeof *stage,
-                           stage->size);
+    return conceg_ctx_fail(ctx, CONCEG_E_ABI,
+                           "%s: expected a descriptor of at least %zu bytes, got %u; rebuild it", from,
+                           sizeof *stage, stage->size);
   if (!stage->kind || !stage->name || !*stage->kind || !*stage->name || !stage->run)
-    return conceg_ctx_fail(ctx, CONCEG_E_ABI, "%s: expected kind, name and run in the descriptor, got NULL", from);
+    return conceg_ctx_fail(ctx, CONCEG_E_ABI, "%s: expected kind, name and run in the descriptor, got NULL",
+                           from);
   for (row = stage->params; row && row->name; row++)
     if (!row->fallback || (row->type == CONCEG_PARAM_CHOICE && !row->choices))
-      return conceg_ctx_fail(ctx, CONCEG_E_ABI, "%s: parameter %s: expected a default (and choices for a choice), got NULL", from, row->name);
+      return conceg_ctx_fail(ctx, CONCEG_E_ABI,
+                             "%s: parameter %s: expected a default (and choices for a choice), got NULL",
+                             from, row->name);
   return CONCEG_OK;
 }
 
@@ -153,8 +170,8 @@ static conceg_status choose_stage(conceg_ctx *ctx, struct plugin *plugin, conceg
     }
     snprintf(found, sizeof found, "%.80s %.80s", stage->kind, stage->name);
   }
-  return conceg_ctx_fail(ctx, CONCEG_E_ABI, "%s: by its file name expected the stage %s %s, got %s", plugin->file, plugin->kind, plugin->name,
-                         found);
+  return conceg_ctx_fail(ctx, CONCEG_E_ABI, "%s: by its file name expected the stage %s %s, got %s",
+                         plugin->file, plugin->kind, plugin->name, found);
 }
 
 conceg_status plugin_open(conceg_ctx *ctx, struct plugin *plugin) {
@@ -162,11 +179,14 @@ conceg_status plugin_open(conceg_ctx *ctx, struct plugin *plugin) {
   void *library, *symbol;
   if (plugin->stage) return CONCEG_OK;
   library = dlopen(plugin->file, RTLD_NOW | RTLD_LOCAL);
-  if (!library) return conceg_ctx_fail(ctx, CONCEG_E_ABI, "%s: cannot be opened: %s", plugin->file, dlerror());
+  if (!library)
+    return conceg_ctx_fail(ctx, CONCEG_E_ABI, "%s: cannot be opened: %s", plugin->file, dlerror());
   symbol = dlsym(library, "conceg_stage_entry");
   if (!symbol) {
     dlclose(library);
-    return conceg_ctx_fail(ctx, CONCEG_E_ABI, "%s: has no symbol conceg_stage_entry; is it exported (CONCEG_EXPORT)?", plugin->file);
+    return conceg_ctx_fail(ctx, CONCEG_E_ABI,
+                           "%s: has no symbol conceg_stage_entry; is it exported (CONCEG_EXPORT)?",
+                           plugin->file);
   }
   memcpy(&entry, &symbol, sizeof entry); /* ISO C has no cast from void * to a function */
   return choose_stage(ctx, plugin, entry);

@@ -16,7 +16,8 @@ struct plugin_list {
   uint32_t count, capacity;
 };
 
-/* Lists the plugins of one folder by name, after what the list holds. A folder that is not there is no error. E_NOMEM. */
+/* Lists the plugins of one folder by name, after what the list holds. A folder that is not there is no error.
+ * E_NOMEM. */
 conceg_status plugin_scan(conceg_ctx *ctx, const char *folder, struct plugin_list *list) CONCEG_NODISCARD;
 /* Lists CONCEG_STAGE_PATH (an empty element = the install folder), then the install folder. */
 conceg_status plugin_find_all(conceg_ctx *ctx, struct plugin_list *list) CONCEG_NODISCARD;

@@ -8,17 +8,20 @@
 #include "conceg/run.h"
 
 /* Adds the row of this run. `input` is the digest of the document before it. */
-conceg_status provenance_add(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, const char *input) CONCEG_NODISCARD;
+conceg_status provenance_add(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params,
+                             const char *input) CONCEG_NODISCARD;
 
 /* Digests of the groups that a stage reads, "group=digest", ending with NULL. */
 struct origins {
   char **line;
   uint32_t count;
 };
-conceg_status origins_take(conceg_ctx *ctx, conceg_doc *doc, const conceg_stage *stage, struct origins *out) CONCEG_NODISCARD;
+conceg_status origins_take(conceg_ctx *ctx, conceg_doc *doc, const conceg_stage *stage,
+                           struct origins *out) CONCEG_NODISCARD;
 void origins_free(struct origins *origins);
 /* Writes /group@made_from. */
-conceg_status origins_write(conceg_doc *doc, const char *group, const struct origins *origins) CONCEG_NODISCARD;
+conceg_status origins_write(conceg_doc *doc, const char *group,
+                            const struct origins *origins) CONCEG_NODISCARD;
 /* Warns when a group that is about to be read was made from groups that have changed since. */
 conceg_status origins_warn(conceg_ctx *ctx, conceg_doc *doc, const char *group) CONCEG_NODISCARD;
 

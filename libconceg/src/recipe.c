@@ -4,7 +4,8 @@
 
 #include <errno.h>
 
-conceg_status fail_node(conceg_ctx *ctx, conceg_status status, const conceg_node *node, const char *format, ...) {
+conceg_status fail_node(conceg_ctx *ctx, conceg_status status, const conceg_node *node, const char *format,
+                        ...) {
   char line[600];
   va_list arguments;
   va_start(arguments, format);
@@ -14,16 +15,21 @@ conceg_status fail_node(conceg_ctx *ctx, conceg_status status, const conceg_node
   return conceg_ctx_fail(ctx, status, "%s: %s", node_file(node), line);
 }
 
-static conceg_status no_memory(conceg_ctx *ctx) { return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "recipe: out of memory"); }
+static conceg_status no_memory(conceg_ctx *ctx) {
+  return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "recipe: out of memory");
+}
 
 static conceg_recipe *wrap_root(conceg_node *root) {
   conceg_recipe *recipe = root ? calloc(1, sizeof *recipe) : NULL;
-  if (recipe) recipe->root = root;
-  else node_free(root);
+  if (recipe)
+    recipe->root = root;
+  else
+    node_free(root);
   return recipe;
 }
 
-static conceg_status parse_text(conceg_ctx *ctx, const char *text, size_t length, const char *name, conceg_recipe **out) {
+static conceg_status parse_text(conceg_ctx *ctx, const char *text, size_t length, const char *name,
+                                conceg_recipe **out) {
   struct yaml_tree *tree;
   conceg_recipe *recipe;
   conceg_status status = yaml_parse(ctx, text, length, name, &tree);
@@ -31,8 +37,9 @@ static conceg_status parse_text(conceg_ctx *ctx, const char *text, size_t length
   if (status != CONCEG_OK) return status;
   if (!conceg_node_is_map(yaml_root(tree))) {
     yaml_free(tree);
-    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s:1: expected a recipe (a YAML mapping that begins with conceg: 1), got %s", name,
-                           length ? "something else" : "an empty file");
+    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT,
+                           "%s:1: expected a recipe (a YAML mapping that begins with conceg: 1), got %s",
+                           name, length ? "something else" : "an empty file");
   }
   recipe = wrap_root(yaml_take_root(tree));
   yaml_free(tree);
@@ -56,13 +63,16 @@ static conceg_status read_file(conceg_ctx *ctx, const char *path, struct text *o
   char block[8192];
   size_t count;
   int error;
-  if (!file) return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot open the recipe: %s", path, strerror(errno));
+  if (!file)
+    return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot open the recipe: %s", path, strerror(errno));
   errno = 0;
-  while ((count = fread(block, 1, sizeof block, file)) > 0 && out->length <= YAML_MAX_BYTES) text_add(out, block, count);
+  while ((count = fread(block, 1, sizeof block, file)) > 0 && out->length <= YAML_MAX_BYTES)
+    text_add(out, block, count);
   error = ferror(file) ? errno : 0;
   fclose(file);
   if (out->failed) return no_memory(ctx);
-  if (error) return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot read the recipe: %s", path, strerror(error));
+  if (error)
+    return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot read the recipe: %s", path, strerror(error));
   return CONCEG_OK;
 }
 
@@ -84,7 +94,9 @@ conceg_status conceg_recipe_from_doc(conceg_ctx *ctx, conceg_doc *doc, conceg_re
     return conceg_ctx_fail(ctx, CONCEG_E_MISSING, "/recipe: the document has no recipe");
   status = conceg_doc_read_text(doc, "/recipe", &text);
   if (status != CONCEG_OK) return status;
-  return parse_text(ctx, text, strlen(text), "/recipe", out);
+  status = parse_text(ctx, text, strlen(text), "/recipe", out);
+  return status == CONCEG_E_PARAM ? CONCEG_E_FORMAT
+                                  : status; /* the document is wrong, not the command line */
 }
 
 void conceg_recipe_free(conceg_recipe *recipe) {
@@ -94,7 +106,9 @@ void conceg_recipe_free(conceg_recipe *recipe) {
   free(recipe);
 }
 
-void recipe_changed(conceg_recipe *recipe) { text_free(&recipe->text); }
+void recipe_changed(conceg_recipe *recipe) {
+  text_free(&recipe->text);
+}
 
 conceg_recipe *recipe_new(void) {
   conceg_recipe *recipe = wrap_root(node_new(NODE_MAP, 0));
@@ -104,7 +118,9 @@ conceg_recipe *recipe_new(void) {
   return NULL;
 }
 
-conceg_recipe *recipe_clone(const conceg_recipe *recipe) { return wrap_root(node_clone(recipe->root)); }
+conceg_recipe *recipe_clone(const conceg_recipe *recipe) {
+  return wrap_root(node_clone(recipe->root));
+}
 
 conceg_node *recipe_section(conceg_recipe *recipe, const char *kind) {
   conceg_node *section = node_find(recipe->root, kind);
@@ -128,8 +144,10 @@ static conceg_node *step_into(conceg_node *map, const char *word, const char **p
   if (bracket) {
     char *end;
     const unsigned long index = strtoul(bracket + 1, &end, 10);
-    if (end == bracket + 1 || strcmp(end, "]") != 0) return *problem = "expected a number between [ and ]", NULL;
-    if (!child || child->kind != NODE_LIST || index >= child->count) return *problem = "no such entry in the list", NULL;
+    if (end == bracket + 1 || strcmp(end, "]") != 0)
+      return *problem = "expected a number between [ and ]", NULL;
+    if (!child || child->kind != NODE_LIST || index >= child->count)
+      return *problem = "no such entry in the list", NULL;
     return child->child[index];
   }
   if (child && child->kind == NODE_MAP) return child;
@@ -180,7 +198,8 @@ conceg_status conceg_recipe_set(conceg_ctx *ctx, conceg_recipe *recipe, const ch
   conceg_status status;
   char *path;
   if (!equals || equals == assignment)
-    return conceg_ctx_fail(ctx, CONCEG_E_PARAM, "--set %.80s: expected stage.key=value, for example grow.lambda=2", assignment);
+    return conceg_ctx_fail(ctx, CONCEG_E_PARAM,
+                           "--set %.80s: expected stage.key=value, for example grow.lambda=2", assignment);
   status = parse_value(ctx, equals + 1, &value);
   if (status != CONCEG_OK) return status;
   path = text_copy(assignment, (size_t)(equals - assignment));
@@ -192,8 +211,10 @@ conceg_status conceg_recipe_set(conceg_ctx *ctx, conceg_recipe *recipe, const ch
     return no_memory(ctx);
   }
   problem = put_at(recipe->root, path, value);
-  if (problem) status = conceg_ctx_fail(ctx, CONCEG_E_PARAM, "--set %.80s: %s", assignment, problem);
-  else status = recipe_check(ctx, recipe->root);
+  if (problem)
+    status = conceg_ctx_fail(ctx, CONCEG_E_PARAM, "--set %.80s: %s", assignment, problem);
+  else
+    status = recipe_check(ctx, recipe->root);
   if (status != CONCEG_OK) {
     node_free(recipe->root);
     recipe->root = backup;
@@ -212,4 +233,6 @@ const char *conceg_recipe_text(conceg_recipe *recipe) {
   return NULL;
 }
 
-const conceg_node *conceg_recipe_root(const conceg_recipe *recipe) { return recipe ? recipe->root : NULL; }
+const conceg_node *conceg_recipe_root(const conceg_recipe *recipe) {
+  return recipe ? recipe->root : NULL;
+}

@@ -10,12 +10,13 @@ struct conceg_recipe {
   struct text text;  /* canonical text, made when asked for */
 };
 
-/* The grammar of spec/cli.md: known keys, forms, ranges; puts the keys into canonical order. E_PARAM with file and line. */
+/* The grammar of spec/cli.md: known keys, forms, ranges; puts the keys into canonical order. E_PARAM with
+ * file and line. */
 conceg_status recipe_check(conceg_ctx *ctx, conceg_node *root) CONCEG_NODISCARD;
 
 /* Error line "file:line: text", or "file: text" for a value that was set from the command line. */
-conceg_status fail_node(conceg_ctx *ctx, conceg_status status, const conceg_node *node, const char *format, ...)
-    CONCEG_PRINTF(4, 5);
+conceg_status fail_node(conceg_ctx *ctx, conceg_status status, const conceg_node *node, const char *format,
+                        ...) CONCEG_PRINTF(4, 5);
 
 /* An empty recipe with only its version. NULL when out of memory. */
 conceg_recipe *recipe_new(void);

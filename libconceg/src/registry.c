@@ -6,8 +6,9 @@
 
 #include "text.h"
 
-static const char *const pipeline[] = {"characterise", "import",   "place",   "triangulate", "grow",   "relax", "mesh",
-                                       "simulate",     "analyse",  "export",  "render",      "report", NULL};
+static const char *const pipeline[] = {"characterise", "import", "place",    "triangulate", "grow",
+                                       "relax",        "mesh",   "simulate", "analyse",     "export",
+                                       "render",       "report", NULL};
 
 const char *conceg_pipeline_kind(uint32_t index) {
   return index < sizeof pipeline / sizeof *pipeline ? pipeline[index] : NULL;
@@ -20,7 +21,8 @@ struct conceg_registry {
   struct plugin_list plugins;
 };
 
-conceg_status conceg_registry_new(conceg_ctx *ctx, const conceg_stage *const *builtins, conceg_registry **out) {
+conceg_status conceg_registry_new(conceg_ctx *ctx, const conceg_stage *const *builtins,
+                                  conceg_registry **out) {
   conceg_registry *registry = calloc(1, sizeof *registry);
   conceg_status status = CONCEG_OK;
   *out = NULL;
@@ -48,9 +50,11 @@ void conceg_registry_free(conceg_registry *registry) {
 static void list_known(const conceg_registry *registry, const char *kind, struct text *out) {
   uint32_t i;
   for (i = 0; i < registry->builtin_count; i++)
-    if (!strcmp(registry->builtins[i]->kind, kind)) text_format(out, "%s%s", out->length ? ", " : "", registry->builtins[i]->name);
+    if (!strcmp(registry->builtins[i]->kind, kind))
+      text_format(out, "%s%s", out->length ? ", " : "", registry->builtins[i]->name);
   for (i = 0; i < registry->plugins.count; i++)
-    if (!strcmp(registry->plugins.item[i].kind, kind)) text_format(out, "%s%s", out->length ? ", " : "", registry->plugins.item[i].name);
+    if (!strcmp(registry->plugins.item[i].kind, kind))
+      text_format(out, "%s%s", out->length ? ", " : "", registry->plugins.item[i].name);
 }
 
 static conceg_status fail_missing(conceg_registry *registry, const char *kind, const char *impl) {
@@ -58,16 +62,20 @@ static conceg_status fail_missing(conceg_registry *registry, const char *kind, c
   conceg_status status;
   list_known(registry, kind, &known);
   if (known.length)
-    status = conceg_ctx_fail(registry->ctx, CONCEG_E_MISSING, "stage %s: no implementation is named %s; there is %s", kind, impl, known.data);
+    status = conceg_ctx_fail(registry->ctx, CONCEG_E_MISSING,
+                             "stage %s: no implementation is named %s; there is %s", kind, impl, known.data);
   else
     status = conceg_ctx_fail(registry->ctx, CONCEG_E_MISSING,
-                             "stage %s: this build has none; rebuild with its libraries, or put a plugin libconceg_stage_%s_NAME.so into a "
-                             "folder of CONCEG_STAGE_PATH", kind, kind);
+                             "stage %s: this build has none; rebuild with its libraries, or put a plugin "
+                             "libconceg_stage_%s_NAME.so into a "
+                             "folder of CONCEG_STAGE_PATH",
+                             kind, kind);
   text_free(&known);
   return status;
 }
 
-conceg_status conceg_registry_find(conceg_registry *registry, const char *kind, const char *impl, const conceg_stage **out) {
+conceg_status conceg_registry_find(conceg_registry *registry, const char *kind, const char *impl,
+                                   const conceg_stage **out) {
   const int plugins_only = impl && !strncmp(impl, "plugin:", 7); /* past a built-in of the same name */
   const char *name = plugins_only ? impl + 7 : impl;
   uint32_t i;
@@ -89,13 +97,15 @@ conceg_status conceg_registry_find(conceg_registry *registry, const char *kind, 
   return fail_missing(registry, kind, name ? name : "");
 }
 
-int conceg_registry_at(conceg_registry *registry, uint32_t index, const char **kind, const char **name, const char **file) {
+int conceg_registry_at(conceg_registry *registry, uint32_t index, const char **kind, const char **name,
+                       const char **file) {
   if (index < registry->builtin_count) {
     *kind = registry->builtins[index]->kind, *name = registry->builtins[index]->name, *file = "built in";
     return 1;
   }
   index -= registry->builtin_count;
   if (index >= registry->plugins.count) return 0;
-  *kind = registry->plugins.item[index].kind, *name = registry->plugins.item[index].name, *file = registry->plugins.item[index].file;
+  *kind = registry->plugins.item[index].kind, *name = registry->plugins.item[index].name,
+  *file = registry->plugins.item[index].file;
   return 1;
 }

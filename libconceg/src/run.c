@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Running one stage as the host must: what it reads is there, what it made stale goes, what it wrote is valid and noted. */
+ * Running one stage as the host must: what it reads is there, what it made stale goes, what it wrote is valid
+ * and noted. */
 #include "conceg/run.h"
 
 #include "ctx_internal.h"
@@ -15,10 +16,19 @@ extern const unsigned long conceg_schema_yaml_size;
 
 /* Which word makes a group, for the remedy in the error line. */
 static const char *maker_of(const char *group) {
-  static const char *const makers[][2] = {
-      {"domain", "place"},      {"types", "place"},   {"cells", "place"},    {"bars", "place"},  {"dictionary", "characterise"},
-      {"network", "triangulate"}, {"skeleton", "grow"}, {"spheres", "relax"},  {"meshes", "mesh"}, {"volumes", "mesh"},
-      {"walkers", "simulate"},  {"signals", "simulate"}, {"statistics", "analyse"}};
+  static const char *const makers[][2] = {{"domain", "place"},
+                                          {"types", "place"},
+                                          {"cells", "place"},
+                                          {"bars", "place"},
+                                          {"dictionary", "characterise"},
+                                          {"network", "triangulate"},
+                                          {"skeleton", "grow"},
+                                          {"spheres", "relax"},
+                                          {"meshes", "mesh"},
+                                          {"volumes", "mesh"},
+                                          {"walkers", "simulate"},
+                                          {"signals", "simulate"},
+                                          {"statistics", "analyse"}};
   size_t i;
   for (i = 0; i < sizeof makers / sizeof *makers; i++)
     if (!strcmp(makers[i][0], group)) return makers[i][1];
@@ -33,8 +43,9 @@ static conceg_status check_reads(conceg_ctx *ctx, const conceg_stage *stage, con
     conceg_status status;
     snprintf(path, sizeof path, "/%s", group);
     if (!conceg_doc_has(doc, path))
-      return conceg_ctx_fail(ctx, CONCEG_E_MISSING, "%s: needs /%s, which the document does not have%s%s%s", stage->kind, group,
-                             maker ? "; run conceg " : "", maker ? maker : "", maker ? " before it" : "");
+      return conceg_ctx_fail(ctx, CONCEG_E_MISSING, "%s: needs /%s, which the document does not have%s%s%s",
+                             stage->kind, group, maker ? "; run conceg " : "", maker ? maker : "",
+                             maker ? " before it" : "");
     status = origins_warn(ctx, doc, group);
     if (status != CONCEG_OK) return status;
   }
@@ -63,19 +74,23 @@ static conceg_status drop_old_results(conceg_ctx *ctx, const conceg_stage *stage
   return CONCEG_OK;
 }
 
-/* Drops all that depends on `group`, directly or not, and was not written in this run. `depends` is the schema's table. */
-static conceg_status drop_dependents(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc, const conceg_node *depends, const char *group,
-                                     unsigned depth) {
+/* Drops all that depends on `group`, directly or not, and was not written in this run. `depends` is the
+ * schema's table. */
+static conceg_status drop_dependents(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc,
+                                     const conceg_node *depends, const char *group, unsigned depth) {
   const conceg_node *list = conceg_node_get(depends, group);
   uint32_t i;
-  if (depth > GROUP_LIMIT) return conceg_ctx_fail(ctx, CONCEG_E_INTERNAL, "schema.yaml: depends: %s depends on itself", group);
+  if (depth > GROUP_LIMIT)
+    return conceg_ctx_fail(ctx, CONCEG_E_INTERNAL, "schema.yaml: depends: %s depends on itself", group);
   for (i = 0; i < conceg_node_count(list); i++) {
     const char *dependent = conceg_node_text(conceg_node_at(list, i));
     char path[GROUP_PATH];
     conceg_status status;
     if (!dependent || group_in(stage->writes, dependent)) continue;
     snprintf(path, sizeof path, "/%s", dependent);
-    if (conceg_doc_has(doc, path)) conceg_ctx_log(ctx, CONCEG_LOG_INFO, "%s: %s no longer matches /%s and is dropped", stage->kind, path, group);
+    if (conceg_doc_has(doc, path))
+      conceg_ctx_log(ctx, CONCEG_LOG_INFO, "%s: %s no longer matches /%s and is dropped", stage->kind, path,
+                     group);
     status = conceg_doc_drop(doc, path);
     if (status == CONCEG_OK) status = drop_dependents(ctx, stage, doc, depends, dependent, depth + 1);
     if (status != CONCEG_OK) return status;
@@ -125,7 +140,8 @@ static conceg_status fail_stage(conceg_ctx *ctx, const conceg_stage *stage, cons
   return conceg_ctx_fail(ctx, CONCEG_E_STAGE, "%s (%s) %s: %s", stage->kind, stage->name, what, line);
 }
 
-static conceg_status note_written(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc, const struct origins *origins) {
+static conceg_status note_written(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc,
+                                  const struct origins *origins) {
   uint32_t i;
   for (i = 0; stage->writes && stage->writes[i]; i++) {
     const char *group = group_name(stage->writes[i]);
@@ -162,10 +178,12 @@ static conceg_status snapshot_take(conceg_ctx *ctx, conceg_doc *doc, struct snap
 }
 
 static void snapshot_free(struct snapshot *snapshot) {
-  while (snapshot->count) free(snapshot->name[--snapshot->count]);
+  while (snapshot->count)
+    free(snapshot->name[--snapshot->count]);
 }
 
-static conceg_status check_undeclared(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc, const struct snapshot *before) {
+static conceg_status check_undeclared(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc,
+                                      const struct snapshot *before) {
   const uint64_t children = conceg_doc_children(doc, "/");
   uint64_t i;
   uint32_t j;
@@ -173,32 +191,39 @@ static conceg_status check_undeclared(conceg_ctx *ctx, const conceg_stage *stage
   for (i = 0; i < children; i++) {
     const char *child = conceg_doc_child(doc, "/", i);
     char group[GROUP_PATH];
-    for (j = 0; j < before->count && strcmp(before->name[j], child) != 0;) j++;
+    for (j = 0; j < before->count && strcmp(before->name[j], child) != 0;)
+      j++;
     if (j < before->count || strchr(child, '@') || !strncmp(child, "/x_", 3)) continue;
     snprintf(group, sizeof group, "%.*s", (int)strcspn(child + 1, "/"), child + 1);
     if (group_in(stage->writes, group)) continue;
-    return conceg_ctx_fail(ctx, CONCEG_E_STAGE, "%s (%s): wrote /%s, which its descriptor does not list", stage->kind, stage->name, group);
+    return conceg_ctx_fail(ctx, CONCEG_E_STAGE, "%s (%s): wrote /%s, which its descriptor does not list",
+                           stage->kind, stage->name, group);
   }
   return CONCEG_OK;
 }
 
-static conceg_status run_body(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc, const conceg_params *params) {
+static conceg_status run_body(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc,
+                              const conceg_params *params) {
   conceg_status status = stage->check ? stage->check(ctx, doc, params) : CONCEG_OK;
   if (status == CONCEG_OK) status = drop_old_results(ctx, stage, doc);
   if (status == CONCEG_OK) status = stage->run(ctx, doc, params);
   if (status != CONCEG_OK) {
-    if (!*conceg_ctx_error(ctx)) return conceg_ctx_fail(ctx, status, "%s (%s): %s", stage->kind, stage->name, conceg_status_text(status));
+    if (!*conceg_ctx_error(ctx))
+      return conceg_ctx_fail(ctx, status, "%s (%s): %s", stage->kind, stage->name,
+                             conceg_status_text(status));
     return status;
   }
   if (__atomic_load_n(&params->misuse->happened, __ATOMIC_ACQUIRE))
-    return conceg_ctx_fail(ctx, CONCEG_E_INTERNAL, "%s (%s): asked for the parameter \"%s\", which is not in its table", stage->kind, stage->name,
-                           params->misuse->name);
+    return conceg_ctx_fail(ctx, CONCEG_E_INTERNAL,
+                           "%s (%s): asked for the parameter \"%s\", which is not in its table", stage->kind,
+                           stage->name, params->misuse->name);
   return CONCEG_OK;
 }
 
 /* After /recipe is in place: the run itself and what follows it. */
-static conceg_status run_noted(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc, const conceg_params *params,
-                               struct origins *origins, struct snapshot *before) {
+static conceg_status run_noted(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc,
+                               const conceg_params *params, struct origins *origins,
+                               struct snapshot *before) {
   char input[65];
   conceg_status status = conceg_doc_digest(doc, "/", input);
   if (status == CONCEG_OK) status = origins_take(ctx, doc, stage, origins);
@@ -212,14 +237,16 @@ static conceg_status run_noted(conceg_ctx *ctx, const conceg_stage *stage, conce
   return status;
 }
 
-conceg_status conceg_stage_run(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc, const conceg_params *params) {
+conceg_status conceg_stage_run(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc,
+                               const conceg_params *params) {
   struct origins origins = {NULL, 0};
   struct snapshot before;
   conceg_status status;
   before.count = 0;
   conceg_ctx_clear_error(ctx);
   status = check_reads(ctx, stage, doc);
-  if (status == CONCEG_OK && params->recipe_is_new) status = conceg_doc_write_text(doc, "/recipe", conceg_recipe_text(params->recipe));
+  if (status == CONCEG_OK && params->recipe_is_new)
+    status = conceg_doc_write_text(doc, "/recipe", conceg_recipe_text(params->recipe));
   if (status == CONCEG_OK) {
     conceg_ctx_set_seed(ctx, params->seed);
     status = run_noted(ctx, stage, doc, params, &origins, &before);

@@ -22,9 +22,12 @@ static int new_name(const char *folder, char path[PATH_MAX]) {
   for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
     const unsigned number = atomic_fetch_add(&counter, 1);
     struct stat info;
-    if (snprintf(path, PATH_MAX, "%s/.conceg-%ld-%u.tmp", folder, (long)getpid(), number) >= PATH_MAX) errno = ENAMETOOLONG;
-    else if (lstat(path, &info) == 0) continue;
-    else if (errno == ENOENT) return 1;
+    if (snprintf(path, PATH_MAX, "%s/.conceg-%ld-%u.tmp", folder, (long)getpid(), number) >= PATH_MAX)
+      errno = ENAMETOOLONG;
+    else if (lstat(path, &info) == 0)
+      continue;
+    else if (errno == ENOENT)
+      return 1;
     return 0;
   }
   return 0;
@@ -33,8 +36,10 @@ static int new_name(const char *folder, char path[PATH_MAX]) {
 /* Folder of a path, "." when it names none. */
 static void folder_of(const char *path, char folder[PATH_MAX]) {
   const char *slash = strrchr(path, '/');
-  if (!slash) strcpy(folder, ".");
-  else snprintf(folder, PATH_MAX, "%.*s", slash == path ? 1 : (int)(slash - path), path);
+  if (!slash)
+    strcpy(folder, ".");
+  else
+    snprintf(folder, PATH_MAX, "%.*s", slash == path ? 1 : (int)(slash - path), path);
 }
 
 /* The finished bytes as a file without a name in the temporary folder; its descriptor in *fd. */
@@ -42,12 +47,16 @@ static conceg_status write_anonymous(conceg_doc *doc, const char *name, int *fd)
   char path[PATH_MAX];
   const char *folder = conceg_ctx_tmpdir(doc->budget.ctx);
   if (!new_name(folder, path))
-    return conceg_ctx_fail(doc->budget.ctx, CONCEG_E_IO, "%s: temporary folder %s: no file can be made there: %s; set TMPDIR", name, folder,
+    return conceg_ctx_fail(doc->budget.ctx, CONCEG_E_IO,
+                           "%s: temporary folder %s: no file can be made there: %s; set TMPDIR", name, folder,
                            strerror(errno));
-  return h5_write(doc->budget.ctx, path, name, doc->root, doc->file, 1, fd);
+  char label[PATH_MAX + 64];
+  snprintf(label, sizeof label, "%s, kept in the temporary folder %s (TMPDIR)", name, folder);
+  return h5_write(doc->budget.ctx, path, label, doc->root, doc->file, 1, fd);
 }
 
-/* Through a temporary file into something that cannot be renamed over: a pipe, a device, a stream. Closes `to`. */
+/* Through a temporary file into something that cannot be renamed over: a pipe, a device, a stream. Closes
+ * `to`. */
 static conceg_status save_through(conceg_doc *doc, int to, const char *name) {
   int fd = -1;
   conceg_status status = write_anonymous(doc, name, &fd);
@@ -56,7 +65,8 @@ static conceg_status save_through(conceg_doc *doc, int to, const char *name) {
     close(fd);
   }
   if (close(to) != 0 && status == CONCEG_OK)
-    status = conceg_ctx_fail(doc->budget.ctx, CONCEG_E_IO, "%s: cannot be written: %s", name, strerror(errno));
+    status =
+        conceg_ctx_fail(doc->budget.ctx, CONCEG_E_IO, "%s: cannot be written: %s", name, strerror(errno));
   return status;
 }
 
@@ -64,8 +74,10 @@ static conceg_status save_to_stdout(conceg_doc *doc) {
   static const char name[] = "standard output";
   conceg_ctx *ctx = doc->budget.ctx;
   if (isatty(STDOUT_FILENO))
-    return conceg_ctx_fail(ctx, CONCEG_E_USAGE, "%s is a terminal: a document is not text; name a file with -o FILE", name);
-  const int to = dup(STDOUT_FILENO); /* a close of the copy tells of late errors and leaves the program its stream */
+    return conceg_ctx_fail(ctx, CONCEG_E_USAGE,
+                           "%s is a terminal: a document is not text; name a file with -o FILE", name);
+  const int to =
+      dup(STDOUT_FILENO); /* a close of the copy tells of late errors and leaves the program its stream */
   if (to < 0) return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: %s", name, strerror(errno));
   return save_through(doc, to, name);
 }
@@ -74,7 +86,8 @@ static conceg_status save_to_file(conceg_doc *doc, const char *target, const cha
   conceg_ctx *ctx = doc->budget.ctx;
   char folder[PATH_MAX], temporary[PATH_MAX];
   folder_of(target, folder);
-  if (!new_name(folder, temporary)) return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: %s", path, strerror(errno));
+  if (!new_name(folder, temporary))
+    return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: %s", path, strerror(errno));
   if (access(folder, W_OK | X_OK) != 0)
     return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: %s: %s", path, folder, strerror(errno));
   int fd = -1;
@@ -92,9 +105,12 @@ conceg_status conceg_doc_save(conceg_doc *doc, const char *path) {
   struct stat info;
   if (!path || !*path) return conceg_ctx_fail(ctx, CONCEG_E_PARAM, "save: expected a file name, got nothing");
   if (strcmp(path, "-") == 0) return save_to_stdout(doc);
-  if (strlen(path) >= PATH_MAX) return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: %s", path, strerror(ENAMETOOLONG));
+  if (strlen(path) >= PATH_MAX)
+    return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: %s", path, strerror(ENAMETOOLONG));
   if (stat(path, &info) != 0) return save_to_file(doc, path, path);
-  if (S_ISDIR(info.st_mode)) return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: expected a file name, got a folder", path);
+  if (S_ISDIR(info.st_mode))
+    return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: expected a file name, got a folder",
+                           path);
   if (!S_ISREG(info.st_mode)) {
     const int to = open(path, O_WRONLY | O_CLOEXEC);
     if (to < 0) return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: %s", path, strerror(errno));

@@ -19,7 +19,8 @@ struct compiler {
 /* The schema is part of the library, so a mistake in it is a mistake of the build. */
 static void fail(struct compiler *compiler, const conceg_node *node, const char *what) {
   if (compiler->status == CONCEG_OK)
-    compiler->status = conceg_ctx_fail(compiler->ctx, CONCEG_E_INTERNAL, "schema.yaml:%u: %s", conceg_node_line(node), what);
+    compiler->status =
+        conceg_ctx_fail(compiler->ctx, CONCEG_E_INTERNAL, "schema.yaml:%u: %s", conceg_node_line(node), what);
 }
 
 static char *copy_text(struct compiler *compiler, const conceg_node *node, const char *fallback) {
@@ -71,8 +72,11 @@ static void compile_rule(struct compiler *compiler, const conceg_node *node, str
   static const struct {
     const char *name;
     uint32_t rule;
-  } plain[] = {{"finite", RULE_FINITE}, {"positive", RULE_POSITIVE}, {"nonnegative", RULE_NONNEGATIVE},
-               {"unit_vector", RULE_UNIT_VECTOR}, {"unique", RULE_UNIQUE}},
+  } plain[] = {{"finite", RULE_FINITE},
+               {"positive", RULE_POSITIVE},
+               {"nonnegative", RULE_NONNEGATIVE},
+               {"unit_vector", RULE_UNIT_VECTOR},
+               {"unique", RULE_UNIQUE}},
     naming[] = {{"index_of", RULE_INDEX_OF}, {"index_or_none", RULE_INDEX_OR_NONE}, {"csr_of", RULE_CSR_OF}};
   const char *text = conceg_node_text(node);
   for (size_t i = 0; text && i < sizeof plain / sizeof *plain; i++)
@@ -90,7 +94,8 @@ static void compile_rule(struct compiler *compiler, const conceg_node *node, str
   fail(compiler, node, "unknown rule");
 }
 
-static void compile_item(struct compiler *compiler, const conceg_node *node, const char *name, struct schema_item *item) {
+static void compile_item(struct compiler *compiler, const conceg_node *node, const char *name,
+                         struct schema_item *item) {
   const conceg_node *kind = conceg_node_get(node, "kind"), *shape = conceg_node_get(node, "shape");
   const conceg_node *rules = conceg_node_get(node, "rules"), *choices = conceg_node_get(node, "choices");
   item->name = copy_text(compiler, conceg_node_get(node, "name"), name);
@@ -98,11 +103,13 @@ static void compile_item(struct compiler *compiler, const conceg_node *node, con
   item->required = is_true(conceg_node_get(node, "required"));
   item->dtype = dtype_of(compiler, conceg_node_get(node, "type"));
   item->unit = copy_text(compiler, conceg_node_get(node, "unit"), "");
-  if (!conceg_node_is_list(shape) || conceg_node_count(shape) > 4) fail(compiler, node, "expected a shape of at most 4 extents");
+  if (!conceg_node_is_list(shape) || conceg_node_count(shape) > 4)
+    fail(compiler, node, "expected a shape of at most 4 extents");
   else
     for (item->rank = 0; item->rank < conceg_node_count(shape); item->rank++)
       compile_extent(compiler, conceg_node_at(shape, item->rank), &item->extent[item->rank]);
-  for (uint32_t i = 0; i < conceg_node_count(rules); i++) compile_rule(compiler, conceg_node_at(rules, i), item);
+  for (uint32_t i = 0; i < conceg_node_count(rules); i++)
+    compile_rule(compiler, conceg_node_at(rules, i), item);
   const uint32_t count = conceg_node_count(choices);
   item->choice = make_list(compiler, count, sizeof *item->choice);
   for (; item->choice && item->choices < count; item->choices++)
@@ -155,8 +162,10 @@ conceg_status schema_new(conceg_ctx *ctx, struct schema **out) {
   struct schema *schema = make_list(&compiler, 1, sizeof *schema);
   if (schema) compile(&compiler, yaml_root(tree), schema);
   yaml_free(tree);
-  if (compiler.status == CONCEG_OK) *out = schema;
-  else schema_free(schema);
+  if (compiler.status == CONCEG_OK)
+    *out = schema;
+  else
+    schema_free(schema);
   return compiler.status;
 }
 
@@ -164,19 +173,23 @@ static void free_item(struct schema_item *item) {
   free(item->name);
   free(item->unit);
   free(item->rule_extent);
-  for (uint32_t i = 0; i < 4; i++) free(item->extent[i].name);
-  for (uint32_t i = 0; i < item->choices; i++) free(item->choice[i]);
+  for (uint32_t i = 0; i < 4; i++)
+    free(item->extent[i].name);
+  for (uint32_t i = 0; i < item->choices; i++)
+    free(item->choice[i]);
   free(item->choice);
 }
 
 void schema_free(struct schema *schema) {
   if (!schema) return;
   for (uint32_t g = 0; g < schema->groups; g++) {
-    for (uint32_t i = 0; i < schema->group[g].items; i++) free_item(&schema->group[g].item[i]);
+    for (uint32_t i = 0; i < schema->group[g].items; i++)
+      free_item(&schema->group[g].item[i]);
     free(schema->group[g].item);
     free(schema->group[g].name);
   }
-  for (uint32_t i = 0; i < schema->globals; i++) free(schema->global[i]);
+  for (uint32_t i = 0; i < schema->globals; i++)
+    free(schema->global[i]);
   free(schema->global);
   free(schema->group);
   free(schema);
@@ -184,13 +197,15 @@ void schema_free(struct schema *schema) {
 
 const struct schema_group *schema_group(const struct schema *schema, const char *name, size_t length) {
   for (uint32_t g = 0; g < schema->groups; g++)
-    if (strlen(schema->group[g].name) == length && memcmp(schema->group[g].name, name, length) == 0) return &schema->group[g];
+    if (strlen(schema->group[g].name) == length && memcmp(schema->group[g].name, name, length) == 0)
+      return &schema->group[g];
   return NULL;
 }
 
 const struct schema_item *schema_item(const struct schema_group *group, const char *name, int attribute) {
   for (uint32_t i = 0; group && !group->dataset && i < group->items; i++)
-    if (group->item[i].attribute == attribute && strcmp(group->item[i].name, name) == 0) return &group->item[i];
+    if (group->item[i].attribute == attribute && strcmp(group->item[i].name, name) == 0)
+      return &group->item[i];
   return NULL;
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * The compiled spec/schema.yaml: which groups, datasets and attributes CGX knows, in canonical order, and their rules. */
+ * The compiled spec/schema.yaml: which groups, datasets and attributes CGX knows, in canonical order, and
+ * their rules. */
 #ifndef CONCEG_SCHEMA_H
 #define CONCEG_SCHEMA_H
 

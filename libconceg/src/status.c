@@ -26,4 +26,6 @@ const char *conceg_status_text(conceg_status status) {
   }
 }
 
-const char *conceg_version(void) { return CONCEG_VERSION_TEXT; }
+const char *conceg_version(void) {
+  return CONCEG_VERSION_TEXT;
+}

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Bytes of one array: in memory, or in an unlinked file of the temporary folder once the budget is used up. */
+ * Bytes of one array: in memory, or in an unlinked file of the temporary folder once the budget is used up.
+ */
 #define _POSIX_C_SOURCE 200809L
 #include "store.h"
 
@@ -18,7 +19,8 @@ static const uint64_t large_array = (uint64_t)4 << 20;
 int temporary_file(conceg_ctx *ctx) {
   const char *folder = conceg_ctx_tmpdir(ctx);
   char path[4096];
-  if (snprintf(path, sizeof path, "%s/conceg-XXXXXX", folder) >= (int)sizeof path) errno = ENAMETOOLONG;
+  if (snprintf(path, sizeof path, "%s/conceg-XXXXXX", folder) >= (int)sizeof path)
+    errno = ENAMETOOLONG;
   else {
     const int fd = mkstemp(path);
     if (fd >= 0) {
@@ -27,7 +29,8 @@ int temporary_file(conceg_ctx *ctx) {
       return fd;
     }
   }
-  conceg_ctx_fail(ctx, CONCEG_E_IO, "temporary folder %s: no file can be made there: %s; set TMPDIR to another folder", folder,
+  conceg_ctx_fail(ctx, CONCEG_E_IO,
+                  "temporary folder %s: no file can be made there: %s; set TMPDIR to another folder", folder,
                   strerror(errno));
   return -1;
 }
@@ -37,8 +40,8 @@ conceg_status check_free_space(conceg_ctx *ctx, const char *folder, uint64_t byt
   if (statvfs(folder, &info) != 0) return CONCEG_OK; /* the write itself will tell */
   const uint64_t left = (uint64_t)info.f_bavail * (uint64_t)info.f_frsize;
   if (left >= bytes) return CONCEG_OK;
-  return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: not enough free space: expected %llu MiB, got %llu MiB", folder,
-                         (unsigned long long)((bytes >> 20) + 1), (unsigned long long)(left >> 20));
+  return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: not enough free space: expected %llu MiB, got %llu MiB",
+                         folder, (unsigned long long)((bytes >> 20) + 1), (unsigned long long)(left >> 20));
 }
 
 static conceg_status map_file(struct budget *budget, const char *path, uint64_t bytes, struct store *out) {
@@ -49,26 +52,29 @@ static conceg_status map_file(struct budget *budget, const char *path, uint64_t 
   const int error = posix_fallocate(fd, 0, (off_t)bytes);
   if (error) {
     close(fd);
-    return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: %llu MiB in the temporary folder %s: %s; set TMPDIR to another folder", path,
+    return conceg_ctx_fail(ctx, CONCEG_E_IO,
+                           "%s: %llu MiB in the temporary folder %s: %s; set TMPDIR to another folder", path,
                            (unsigned long long)(bytes >> 20), conceg_ctx_tmpdir(ctx), strerror(error));
   }
   void *data = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
   close(fd);
-  if (data == MAP_FAILED) return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "%s: out of address space: %s", path, strerror(errno));
+  if (data == MAP_FAILED)
+    return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "%s: out of address space: %s", path, strerror(errno));
   *out = (struct store){.data = data, .bytes = bytes, .mapped = 1};
   return CONCEG_OK;
 }
 
 conceg_status store_new(struct budget *budget, const char *path, uint64_t bytes, struct store *out) {
   if (bytes > (uint64_t)INT64_MAX || bytes > SIZE_MAX)
-    return conceg_ctx_fail(budget->ctx, CONCEG_E_NOMEM, "%s: %llu bytes are more than this machine can hold", path,
-                           (unsigned long long)bytes);
+    return conceg_ctx_fail(budget->ctx, CONCEG_E_NOMEM, "%s: %llu bytes are more than this machine can hold",
+                           path, (unsigned long long)bytes);
   const uint64_t limit = conceg_ctx_memory(budget->ctx);
   const int over = bytes > limit || budget->used > limit - bytes;
   if (over && bytes >= large_array) return map_file(budget, path, bytes, out);
   void *data = calloc(bytes ? bytes : 1, 1);
   if (!data)
-    return conceg_ctx_fail(budget->ctx, CONCEG_E_NOMEM, "%s: out of memory for %llu bytes", path, (unsigned long long)bytes);
+    return conceg_ctx_fail(budget->ctx, CONCEG_E_NOMEM, "%s: out of memory for %llu bytes", path,
+                           (unsigned long long)bytes);
   budget->used += bytes;
   *out = (struct store){.data = data, .bytes = bytes, .mapped = 0};
   return CONCEG_OK;
@@ -76,7 +82,8 @@ conceg_status store_new(struct budget *budget, const char *path, uint64_t bytes,
 
 void store_free(struct budget *budget, struct store *store) {
   if (!store->data) return;
-  if (store->mapped) munmap(store->data, store->bytes);
+  if (store->mapped)
+    munmap(store->data, store->bytes);
   else {
     free(store->data);
     if (budget) budget->used -= store->bytes;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Bytes of one array: in memory, or in an unlinked file of the temporary folder once the budget is used up. */
+ * Bytes of one array: in memory, or in an unlinked file of the temporary folder once the budget is used up.
+ */
 #ifndef CONCEG_STORE_H
 #define CONCEG_STORE_H
 

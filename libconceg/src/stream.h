@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Bytes in and out: a path, standard input or an image in memory becomes a file that HDF5 can open; a finished file is
- * copied to standard output, a device or memory. No HDF5 here. */
+ * Bytes in and out: a path, standard input or an image in memory becomes a file that HDF5 can open; a
+ * finished file is copied to standard output, a device or memory. No HDF5 here. */
 #ifndef CONCEG_STREAM_H
 #define CONCEG_STREAM_H
 
@@ -8,13 +8,14 @@
 
 /* A readable CGX file with a name in the file system. */
 struct input {
-  char *path;    /* to be opened */
-  char *name;    /* for messages: the path as given, or "standard input" */
+  char *path; /* to be opened */
+  char *name; /* for messages: the path as given, or "standard input" */
   uint64_t length;
   int temporary; /* the path is ours: input_release unlinks it */
 };
 
-/* `path` "-" = standard input. Checks that the bytes begin like HDF5 and that none is missing or left over. */
+/* `path` "-" = standard input. Checks that the bytes begin like HDF5 and that none is missing or left over.
+ */
 conceg_status input_open(conceg_ctx *ctx, const char *path, struct input *out);
 conceg_status input_from_memory(conceg_ctx *ctx, const void *bytes, size_t count, struct input *out);
 void input_release(struct input *input);

@@ -30,9 +30,12 @@ static inline void text_add(struct text *text, const char *bytes, size_t count) 
   text->data[text->length] = '\0';
 }
 
-static inline void text_put(struct text *text, const char *string) { text_add(text, string, strlen(string)); }
+static inline void text_put(struct text *text, const char *string) {
+  text_add(text, string, strlen(string));
+}
 
-static inline void text_format(struct text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static inline void text_format(struct text *text, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 static inline void text_format(struct text *text, const char *format, ...) {
   char line[512];
   va_list arguments;

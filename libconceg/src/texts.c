@@ -5,9 +5,11 @@
 
 #include <string.h>
 
-conceg_status texts_copy(struct budget *budget, const char *path, const char *const *strings, uint64_t count, struct store *out) {
+conceg_status texts_copy(struct budget *budget, const char *path, const char *const *strings, uint64_t count,
+                         struct store *out) {
   uint64_t bytes = count * sizeof(char *);
-  for (uint64_t i = 0; i < count; i++) bytes += strlen(strings[i]) + 1;
+  for (uint64_t i = 0; i < count; i++)
+    bytes += strlen(strings[i]) + 1;
   const conceg_status status = store_new(budget, path, bytes, out);
   if (status != CONCEG_OK) return status;
   char **pointers = out->data;
@@ -23,14 +25,16 @@ conceg_status texts_copy(struct budget *budget, const char *path, const char *co
 
 static size_t fixed_length(const char *text, size_t width, int trim) {
   size_t length = strnlen(text, width);
-  while (trim && length && text[length - 1] == ' ') length--;
+  while (trim && length && text[length - 1] == ' ')
+    length--;
   return length;
 }
 
-conceg_status texts_from_fixed(struct budget *budget, const char *path, const char *block, size_t width, uint64_t count, int trim,
-                               struct store *out) {
+conceg_status texts_from_fixed(struct budget *budget, const char *path, const char *block, size_t width,
+                               uint64_t count, int trim, struct store *out) {
   uint64_t bytes = count * sizeof(char *);
-  for (uint64_t i = 0; i < count; i++) bytes += fixed_length(block + i * width, width, trim) + 1;
+  for (uint64_t i = 0; i < count; i++)
+    bytes += fixed_length(block + i * width, width, trim) + 1;
   const conceg_status status = store_new(budget, path, bytes, out);
   if (status != CONCEG_OK) return status;
   char **pointers = out->data;

@@ -8,13 +8,15 @@
 #include <string.h>
 
 static int is_name_character(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || (c && strchr("_.+-", c));
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+         (c && strchr("_.+-", c));
 }
 
 /* One name, ended by /, @ or the end: its length, 0 when it is no name. */
 static size_t name_length(const char *name) {
   size_t length = 0;
-  while (is_name_character(name[length])) length++;
+  while (is_name_character(name[length]))
+    length++;
   const int dots = (length == 1 && name[0] == '.') || (length == 2 && name[0] == '.' && name[1] == '.');
   return dots ? 0 : length;
 }
@@ -77,8 +79,10 @@ struct entry *entry_new(enum entry_kind kind, struct entry *parent, const char *
 
 void entry_free(struct budget *budget, struct entry *entry) {
   if (!entry) return;
-  for (size_t i = 0; i < entry->children; i++) entry_free(budget, entry->child[i]);
-  for (size_t i = 0; i < entry->attrs; i++) entry_free(budget, entry->attr[i]);
+  for (size_t i = 0; i < entry->children; i++)
+    entry_free(budget, entry->child[i]);
+  for (size_t i = 0; i < entry->attrs; i++)
+    entry_free(budget, entry->attr[i]);
   store_free(budget, &entry->store);
   free(entry->child);
   free(entry->attr);
@@ -99,8 +103,10 @@ static size_t lower_bound(struct entry *const *list, size_t count, const struct 
   size_t lo = 0, hi = count;
   while (lo < hi) {
     const size_t middle = lo + (hi - lo) / 2;
-    if (compare(list[middle], entry) < 0) lo = middle + 1;
-    else hi = middle;
+    if (compare(list[middle], entry) < 0)
+      lo = middle + 1;
+    else
+      hi = middle;
   }
   return lo;
 }
@@ -168,15 +174,22 @@ struct entry *tree_find(const struct entry *root, const char *path) {
 
 uint64_t entry_count(const struct entry *entry) {
   uint64_t count = 1;
-  for (uint32_t axis = 0; axis < entry->rank; axis++) count *= entry->shape[axis];
+  for (uint32_t axis = 0; axis < entry->rank; axis++)
+    count *= entry->shape[axis];
   return count;
 }
 
-uint64_t entry_bytes(const struct entry *entry) { return entry_count(entry) * conceg_dtype_bytes(entry->dtype); }
+uint64_t entry_bytes(const struct entry *entry) {
+  return entry_count(entry) * conceg_dtype_bytes(entry->dtype);
+}
 
 const char *entry_text(const struct entry *entry) {
-  if (!entry || entry->kind != ENTRY_ARRAY || entry->dtype != CONCEG_TEXT || entry->rank || !entry->store.data) return NULL;
+  if (!entry || entry->kind != ENTRY_ARRAY || entry->dtype != CONCEG_TEXT || entry->rank ||
+      !entry->store.data)
+    return NULL;
   return *(const char *const *)entry->store.data;
 }
 
-const char *entry_unit(const struct entry *entry) { return entry_text(entry_child(entry, "unit", 4, 1)); }
+const char *entry_unit(const struct entry *entry) {
+  return entry_text(entry_child(entry, "unit", 4, 1));
+}

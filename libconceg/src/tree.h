@@ -13,15 +13,16 @@ struct schema;
 enum entry_kind {
   ENTRY_GROUP,
   ENTRY_ARRAY,
-  ENTRY_OPAQUE /* something of the backing file that conceg_array cannot hold; carried through, `why` says what it is */
+  ENTRY_OPAQUE /* something of the backing file that conceg_array cannot hold; carried through, `why` says
+                  what it is */
 };
 
 struct entry {
   enum entry_kind kind;
-  int attribute;      /* 1 = an attribute of `parent` */
-  char *path;         /* "/", "/cells/", "/cells/soma", "/cells/soma@unit" */
-  const char *name;   /* in its own storage, "" for the root */
-  uint32_t order;     /* place in the schema; UINT32_MAX = unknown */
+  int attribute;    /* 1 = an attribute of `parent` */
+  char *path;       /* "/", "/cells/", "/cells/soma", "/cells/soma@unit" */
+  const char *name; /* in its own storage, "" for the root */
+  uint32_t order;   /* place in the schema; UINT32_MAX = unknown */
   struct entry *parent;
   struct entry **child; /* sub-groups and datasets, then not attributes */
   size_t children, child_room;
@@ -46,14 +47,16 @@ struct entry *entry_new(enum entry_kind kind, struct entry *parent, const char *
 /* Frees an entry that has no parent (any more) and all below it. */
 void entry_free(struct budget *budget, struct entry *entry);
 
-/* 1 when a new entry may carry this path: absolute, short, made of letters, digits, _ . + - and at most one attribute. */
+/* 1 when a new entry may carry this path: absolute, short, made of letters, digits, _ . + - and at most one
+ * attribute. */
 int path_is_valid(const char *path);
 
 /* The entry at a path, with or without a closing "/" for groups; NULL when there is none. */
 struct entry *tree_find(const struct entry *root, const char *path);
 /* A child or an attribute by name; `length` bytes of it. */
 struct entry *entry_child(const struct entry *entry, const char *name, size_t length, int attribute);
-/* Puts an entry among its parent's children, replacing one of the same name. 0 when out of memory (nothing changed). */
+/* Puts an entry among its parent's children, replacing one of the same name. 0 when out of memory (nothing
+ * changed). */
 int entry_attach(struct budget *budget, struct entry *entry);
 void entry_detach(struct entry *entry);
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Shared by the validate*.c files: who reports, and what is known so far. Rule ids are those of spec/cgx.md. */
+ * Shared by the validate*.c files: who reports, and what is known so far. Rule ids are those of spec/cgx.md.
+ */
 #ifndef CONCEG_VALIDATE_H
 #define CONCEG_VALIDATE_H
 
@@ -29,22 +30,24 @@ struct validator {
 enum severity { MUST = 0, SHOULD = 1 };
 
 /* Calls the user's function; `path` outside `only` is passed over. The texts are used at once. */
-void report(struct validator *validator, const char *rule, enum severity severity, const char *path, const char *expected,
-            const char *got);
+void report(struct validator *validator, const char *rule, enum severity severity, const char *path,
+            const char *expected, const char *got);
 /* The same for the `index`-th value of an array; `more` others break the rule as well. */
-void report_value(struct validator *validator, const char *rule, enum severity severity, const struct entry *entry, uint64_t index,
-                  uint64_t more, const char *expected, const char *got);
+void report_value(struct validator *validator, const char *rule, enum severity severity,
+                  const struct entry *entry, uint64_t index, uint64_t more, const char *expected,
+                  const char *got);
 int is_wanted(const struct validator *validator, const char *path);
 
 /* Type, rank and fixed extents; fixes or compares every named extent. */
-conceg_status check_form(struct validator *validator, const struct schema_group *group, const struct schema_item *item,
-                         const struct entry *entry);
+conceg_status check_form(struct validator *validator, const struct schema_group *group,
+                         const struct schema_item *item, const struct entry *entry);
 /* The value of a named extent. 0 when nothing has fixed it. */
-int find_extent(const struct validator *validator, const struct schema_group *group, const char *name, uint64_t *value);
+int find_extent(const struct validator *validator, const struct schema_group *group, const char *name,
+                uint64_t *value);
 
 /* Every rule about the values of one array of the right form. */
-conceg_status check_values(struct validator *validator, const struct schema_group *group, const struct schema_item *item,
-                           struct entry *entry);
+conceg_status check_values(struct validator *validator, const struct schema_group *group,
+                           const struct schema_item *item, struct entry *entry);
 /* Rules that tie arrays together: parents, faces, vertices, places in the box. */
 conceg_status check_links(struct validator *validator);
 

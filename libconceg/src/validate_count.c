@@ -6,24 +6,28 @@
 
 static uint64_t count_not_finite_f64(const double *values, uint64_t count) {
   uint64_t broken = 0;
-  for (uint64_t i = 0; i < count; i++) broken += !(values[i] - values[i] == 0);
+  for (uint64_t i = 0; i < count; i++)
+    broken += !(values[i] - values[i] == 0);
   return broken;
 }
 
 static uint64_t count_not_finite_f32(const float *values, uint64_t count) {
   uint64_t broken = 0;
-  for (uint64_t i = 0; i < count; i++) broken += !(values[i] - values[i] == 0);
+  for (uint64_t i = 0; i < count; i++)
+    broken += !(values[i] - values[i] == 0);
   return broken;
 }
 
 #define COUNT_WHERE(condition)                                                                               \
   do {                                                                                                       \
-    for (uint64_t i = 0; i < count; i++) broken += (condition);                                              \
+    for (uint64_t i = 0; i < count; i++)                                                                     \
+      broken += (condition);                                                                                 \
   } while (0)
 
 static int is_choice(int64_t value, const struct value_test *test) {
   int found = 0;
-  for (uint32_t c = 0; c < test->choices; c++) found |= value == test->choice[c];
+  for (uint32_t c = 0; c < test->choices; c++)
+    found |= value == test->choice[c];
   return found;
 }
 
@@ -32,12 +36,23 @@ static int is_choice(int64_t value, const struct value_test *test) {
   static uint64_t count_##suffix(const type *values, uint64_t count, const struct value_test *test) {        \
     uint64_t broken = 0;                                                                                     \
     switch (test->rule) {                                                                                    \
-    case VALUE_POSITIVE: COUNT_WHERE(!(values[i] > 0)); break;                                               \
-    case VALUE_NONNEGATIVE: COUNT_WHERE(!(values[i] >= 0)); break;                                           \
-    case VALUE_INDEX: COUNT_WHERE((uint64_t)values[i] >= test->limit); break;                                \
-    case VALUE_INDEX_OR_NONE: COUNT_WHERE((uint64_t)values[i] >= test->limit && !(none)); break;             \
-    case VALUE_CHOICE: COUNT_WHERE(!is_choice((int64_t)values[i], test)); break;                             \
-    case VALUE_FINITE: break; /* whole numbers are */                                                        \
+    case VALUE_POSITIVE:                                                                                     \
+      COUNT_WHERE(!(values[i] > 0));                                                                         \
+      break;                                                                                                 \
+    case VALUE_NONNEGATIVE:                                                                                  \
+      COUNT_WHERE(!(values[i] >= 0));                                                                        \
+      break;                                                                                                 \
+    case VALUE_INDEX:                                                                                        \
+      COUNT_WHERE((uint64_t)values[i] >= test->limit);                                                       \
+      break;                                                                                                 \
+    case VALUE_INDEX_OR_NONE:                                                                                \
+      COUNT_WHERE((uint64_t)values[i] >= test->limit && !(none));                                            \
+      break;                                                                                                 \
+    case VALUE_CHOICE:                                                                                       \
+      COUNT_WHERE(!is_choice((int64_t)values[i], test));                                                     \
+      break;                                                                                                 \
+    case VALUE_FINITE:                                                                                       \
+      break; /* whole numbers are */                                                                         \
     }                                                                                                        \
     return broken;                                                                                           \
   }
@@ -66,14 +81,23 @@ DEFINE_FLOAT_COUNT(f64, double)
 
 uint64_t count_broken(conceg_dtype dtype, const void *values, uint64_t count, const struct value_test *test) {
   switch (dtype) {
-  case CONCEG_U8: return count_u8(values, count, test);
-  case CONCEG_I8: return count_i8(values, count, test);
-  case CONCEG_U32: return count_u32(values, count, test);
-  case CONCEG_I32: return count_i32(values, count, test);
-  case CONCEG_U64: return count_u64(values, count, test);
-  case CONCEG_I64: return count_i64(values, count, test);
-  case CONCEG_F32: return count_f32(values, count, test);
-  case CONCEG_F64: return count_f64(values, count, test);
-  default: return 0;
+  case CONCEG_U8:
+    return count_u8(values, count, test);
+  case CONCEG_I8:
+    return count_i8(values, count, test);
+  case CONCEG_U32:
+    return count_u32(values, count, test);
+  case CONCEG_I32:
+    return count_i32(values, count, test);
+  case CONCEG_U64:
+    return count_u64(values, count, test);
+  case CONCEG_I64:
+    return count_i64(values, count, test);
+  case CONCEG_F32:
+    return count_f32(values, count, test);
+  case CONCEG_F64:
+    return count_f64(values, count, test);
+  default:
+    return 0;
   }
 }

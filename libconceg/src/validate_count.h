@@ -1,11 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * How many values of a block break a rule. Plain loops without branches, which compilers turn into wide instructions. */
+ * How many values of a block break a rule. Plain loops without branches, which compilers turn into wide
+ * instructions. */
 #ifndef CONCEG_VALIDATE_COUNT_H
 #define CONCEG_VALIDATE_COUNT_H
 
 #include "conceg/array.h"
 
-enum value_rule { VALUE_FINITE, VALUE_POSITIVE, VALUE_NONNEGATIVE, VALUE_INDEX, VALUE_INDEX_OR_NONE, VALUE_CHOICE };
+enum value_rule {
+  VALUE_FINITE,
+  VALUE_POSITIVE,
+  VALUE_NONNEGATIVE,
+  VALUE_INDEX,
+  VALUE_INDEX_OR_NONE,
+  VALUE_CHOICE
+};
 
 struct value_test {
   enum value_rule rule;

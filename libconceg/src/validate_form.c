@@ -7,24 +7,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-static struct extent *find(const struct validator *validator, const struct schema_group *group, const char *name) {
+static struct extent *find(const struct validator *validator, const struct schema_group *group,
+                           const char *name) {
   const int shared = schema_is_global(validator->doc->schema, name);
   for (size_t i = 0; i < validator->extents; i++) {
     struct extent *extent = &validator->extent[i];
-    if (strcmp(extent->name, name) == 0 && (shared ? !extent->group : extent->group && strcmp(extent->group, group->name) == 0))
+    if (strcmp(extent->name, name) == 0 &&
+        (shared ? !extent->group : extent->group && strcmp(extent->group, group->name) == 0))
       return extent;
   }
   return NULL;
 }
 
-int find_extent(const struct validator *validator, const struct schema_group *group, const char *name, uint64_t *value) {
+int find_extent(const struct validator *validator, const struct schema_group *group, const char *name,
+                uint64_t *value) {
   const struct extent *extent = find(validator, group, name);
   if (extent) *value = extent->value;
   return extent != NULL;
 }
 
-static conceg_status add_extent(struct validator *validator, const struct schema_group *group, const char *name, const char *path,
-                                uint64_t value) {
+static conceg_status add_extent(struct validator *validator, const struct schema_group *group,
+                                const char *name, const char *path, uint64_t value) {
   if (validator->extents == validator->extent_room) {
     const size_t room = validator->extent_room ? 2 * validator->extent_room : 32;
     struct extent *grown = realloc(validator->extent, room * sizeof *grown);
@@ -32,13 +35,17 @@ static conceg_status add_extent(struct validator *validator, const struct schema
     validator->extent = grown;
     validator->extent_room = room;
   }
-  validator->extent[validator->extents++] = (struct extent){
-      .group = schema_is_global(validator->doc->schema, name) ? NULL : group->name, .name = name, .path = path, .value = value};
+  validator->extent[validator->extents++] =
+      (struct extent){.group = schema_is_global(validator->doc->schema, name) ? NULL : group->name,
+                      .name = name,
+                      .path = path,
+                      .value = value};
   return CONCEG_OK;
 }
 
-static conceg_status check_extent(struct validator *validator, const struct schema_group *group, const struct schema_extent *want,
-                                  const struct entry *entry, uint32_t axis) {
+static conceg_status check_extent(struct validator *validator, const struct schema_group *group,
+                                  const struct schema_extent *want, const struct entry *entry,
+                                  uint32_t axis) {
   char expected[PATH_BYTES + 128], got[64];
   const uint64_t length = entry->shape[axis];
   snprintf(got, sizeof got, "%llu", (unsigned long long)length);
@@ -55,14 +62,14 @@ static conceg_status check_extent(struct validator *validator, const struct sche
   const struct extent *known = find(validator, group, want->name);
   if (!known) return add_extent(validator, group, want->name, entry->path, value);
   if (known->value == value) return CONCEG_OK;
-  snprintf(expected, sizeof expected, "extent %s%s along axis %u with %s = %llu as in %s", want->name, want->plus_one ? " + 1" : "", axis,
-           want->name, (unsigned long long)known->value, known->path);
+  snprintf(expected, sizeof expected, "extent %s%s along axis %u with %s = %llu as in %s", want->name,
+           want->plus_one ? " + 1" : "", axis, want->name, (unsigned long long)known->value, known->path);
   report(validator, known->group ? "CGX-023" : "CGX-024", MUST, entry->path, expected, got);
   return CONCEG_OK;
 }
 
-conceg_status check_form(struct validator *validator, const struct schema_group *group, const struct schema_item *item,
-                         const struct entry *entry) {
+conceg_status check_form(struct validator *validator, const struct schema_group *group,
+                         const struct schema_item *item, const struct entry *entry) {
   char expected[64], got[64];
   if (entry->dtype != item->dtype) {
     snprintf(expected, sizeof expected, "type %s", conceg_dtype_name(item->dtype));

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * The validator: rules that tie arrays together: rows within a cell, faces and vertices of a surface, places in the box. */
+ * The validator: rules that tie arrays together: rows within a cell, faces and vertices of a surface, places
+ * in the box. */
 #define _POSIX_C_SOURCE 200809L
 #include "validate.h"
 
@@ -14,7 +15,8 @@ struct offsets {
   uint64_t rows;
 };
 
-static struct entry *find_array(const struct validator *validator, const char *path, conceg_dtype dtype, uint32_t rank) {
+static struct entry *find_array(const struct validator *validator, const char *path, conceg_dtype dtype,
+                                uint32_t rank) {
   struct entry *entry = tree_find(validator->doc->root, path);
   return entry && entry->kind == ENTRY_ARRAY && entry->dtype == dtype && entry->rank == rank ? entry : NULL;
 }
@@ -42,11 +44,15 @@ struct row_rule {
 };
 
 static const struct row_rule row_rules[] = {
-    {"CGX-051", "/dictionary/bar_parent", "/dictionary/tree_bar_offset", NULL, ANY_OTHER, 1, "another row of its tree, or -1"},
-    {"CGX-050", "/bars/parent", "/bars/cell_offset", NULL, BEFORE_OWN, 1, "an earlier row of its cell, or -1"},
+    {"CGX-051", "/dictionary/bar_parent", "/dictionary/tree_bar_offset", NULL, ANY_OTHER, 1,
+     "another row of its tree, or -1"},
+    {"CGX-050", "/bars/parent", "/bars/cell_offset", NULL, BEFORE_OWN, 1,
+     "an earlier row of its cell, or -1"},
     {"CGX-051", "/bars/handed_to", "/bars/cell_offset", NULL, ANY_OTHER, 1, "another row of its cell, or -1"},
-    {"CGX-050", "/skeleton/parent", "/skeleton/cell_offset", NULL, BEFORE_OWN, 1, "an earlier row of its cell, or -1"},
-    {"CGX-052", "/skeleton/bar", "/skeleton/cell_offset", "/bars/cell_offset", ANY_OF_TARGET, 0, "a row of its cell's bars"},
+    {"CGX-050", "/skeleton/parent", "/skeleton/cell_offset", NULL, BEFORE_OWN, 1,
+     "an earlier row of its cell, or -1"},
+    {"CGX-052", "/skeleton/bar", "/skeleton/cell_offset", "/bars/cell_offset", ANY_OF_TARGET, 0,
+     "a row of its cell's bars"},
     {"CGX-052", "/spheres/segment_end", "/spheres/cell_offset", "/skeleton/cell_offset", ANY_OF_TARGET, 1,
      "a row of its cell's skeleton, or -1"}};
 
@@ -70,12 +76,14 @@ static conceg_status check_rows(void *user, uint64_t first, uint64_t count, cons
   const int wide = check->entry->dtype == CONCEG_I64;
   for (uint64_t i = 0; i < count; i++) {
     const uint64_t row = first + i;
-    while (check->cell < check->own.rows && row >= check->own.at[check->cell + 1]) check->cell++;
+    while (check->cell < check->own.rows && row >= check->own.at[check->cell + 1])
+      check->cell++;
     if (check->cell == check->own.rows) return CONCEG_OK; /* rows past the last offset: CGX-042 */
     const uint64_t start = check->own.at[check->cell], own = row - start;
     uint64_t limit = check->own.at[check->cell + 1] - start;
     if (check->rule->kind == BEFORE_OWN) limit = own;
-    if (check->rule->kind == ANY_OF_TARGET) limit = check->target.at[check->cell + 1] - check->target.at[check->cell];
+    if (check->rule->kind == ANY_OF_TARGET)
+      limit = check->target.at[check->cell + 1] - check->target.at[check->cell];
     const int64_t value = wide ? ((const int64_t *)values)[i] : (int64_t)((const uint32_t *)values)[i];
     if (!row_is_broken(check->rule, value, own, limit) || check->broken++) continue;
     check->first = row;
@@ -94,7 +102,8 @@ static conceg_status check_row_rule(struct validator *validator, const struct ro
   if (rule->target && (!check.target.at || check.target.rows != check.own.rows)) return CONCEG_OK;
   status = doc_each_block(validator->doc, check.entry, check_rows, &check);
   if (status == CONCEG_OK && check.broken)
-    report_value(validator, rule->rule, MUST, check.entry, check.first, check.broken - 1, rule->expected, check.got);
+    report_value(validator, rule->rule, MUST, check.entry, check.first, check.broken - 1, rule->expected,
+                 check.got);
   return status;
 }
 
@@ -111,16 +120,19 @@ static conceg_status check_faces(void *user, uint64_t first, uint64_t count, con
   const uint32_t *corner = values;
   for (uint64_t i = 0; i < count;) {
     const uint64_t face = (first + i) / 3;
-    while (check->surface < check->faces.rows && face >= check->faces.at[check->surface + 1]) check->surface++;
+    while (check->surface < check->faces.rows && face >= check->faces.at[check->surface + 1])
+      check->surface++;
     if (check->surface == check->faces.rows) return CONCEG_OK;
     const uint64_t limit = check->vertices.at[check->surface + 1] - check->vertices.at[check->surface];
     uint64_t end = (check->faces.at[check->surface + 1]) * 3 - first, wrong = 0;
     if (end > count) end = count;
-    for (uint64_t k = i; k < end; k++) wrong += corner[k] >= limit;
+    for (uint64_t k = i; k < end; k++)
+      wrong += corner[k] >= limit;
     for (uint64_t k = i; wrong && !check->broken && k < end; k++)
       if (corner[k] >= limit) {
         check->first = first + k;
-        snprintf(check->got, sizeof check->got, "%u in a surface of %llu vertices", corner[k], (unsigned long long)limit);
+        snprintf(check->got, sizeof check->got, "%u in a surface of %llu vertices", corner[k],
+                 (unsigned long long)limit);
         break;
       }
     check->broken += wrong;
@@ -129,14 +141,17 @@ static conceg_status check_faces(void *user, uint64_t first, uint64_t count, con
   return CONCEG_OK;
 }
 
-static int is_rounded(double value, double origin) { return origin + (double)(float)(value - origin) == value; }
+static int is_rounded(double value, double origin) {
+  return origin + (double)(float)(value - origin) == value;
+}
 
 static conceg_status check_vertices(void *user, uint64_t first, uint64_t count, const void *values) {
   struct surface_check *check = user;
   const double *vertex = values;
   for (uint64_t i = 0; i + 3 <= count; i += 3) {
     const uint64_t row = (first + i) / 3;
-    while (check->surface < check->vertices.rows && row >= check->vertices.at[check->surface + 1]) check->surface++;
+    while (check->surface < check->vertices.rows && row >= check->vertices.at[check->surface + 1])
+      check->surface++;
     if (check->surface == check->vertices.rows) return CONCEG_OK;
     const double *origin = check->origin + 3 * check->surface;
     for (uint64_t k = 0; k < 3; k++) {
@@ -157,17 +172,21 @@ static conceg_status check_surfaces(struct validator *validator) {
   if (face && face->shape[1] == 3 && check.faces.at && check.faces.rows == check.vertices.rows) {
     status = doc_each_block(validator->doc, face, check_faces, &check);
     if (status == CONCEG_OK && check.broken)
-      report_value(validator, "CGX-060", MUST, face, check.first, check.broken - 1, "a vertex of its own surface", check.got);
+      report_value(validator, "CGX-060", MUST, face, check.first, check.broken - 1,
+                   "a vertex of its own surface", check.got);
   }
   struct entry *origin = find_array(validator, "/meshes/origin", CONCEG_F64, 2);
   const struct entry *vertex = find_array(validator, "/meshes/vertex", CONCEG_F64, 2);
-  if (status != CONCEG_OK || !origin || origin->shape[0] != check.vertices.rows || origin->shape[1] != 3) return status;
-  if (!vertex || vertex->shape[1] != 3 || (status = doc_load(validator->doc, origin)) != CONCEG_OK) return status;
+  if (status != CONCEG_OK || !origin || origin->shape[0] != check.vertices.rows || origin->shape[1] != 3)
+    return status;
+  if (!vertex || vertex->shape[1] != 3 || (status = doc_load(validator->doc, origin)) != CONCEG_OK)
+    return status;
   check.origin = origin->store.data;
   check.surface = check.broken = 0;
   status = doc_each_block(validator->doc, vertex, check_vertices, &check);
   if (status == CONCEG_OK && check.broken)
-    report_value(validator, "CGX-061", MUST, vertex, check.first, check.broken - 1, "the surface's origin plus a float32", check.got);
+    report_value(validator, "CGX-061", MUST, vertex, check.first, check.broken - 1,
+                 "the surface's origin plus a float32", check.got);
   return status;
 }
 
@@ -185,7 +204,8 @@ static conceg_status check_places(void *user, uint64_t first, uint64_t count, co
   for (uint64_t i = 0; i + 3 <= count; i += 3)
     for (uint64_t k = 0; k < 3; k++) {
       const double x = place[i + k];
-      if ((x >= check->lo[k] && (check->periodic[k] ? x < check->hi[k] : x <= check->hi[k])) || !isfinite(x)) continue;
+      if ((x >= check->lo[k] && (check->periodic[k] ? x < check->hi[k] : x <= check->hi[k])) || !isfinite(x))
+        continue;
       if (check->broken++) continue;
       check->first = first + i + k;
       format_number(CONCEG_F64, values, i + k, check->got);
@@ -200,7 +220,8 @@ static const void *domain_attribute(const struct validator *validator, const cha
 
 static conceg_status check_box(struct validator *validator) {
   static const char *const inside[] = {"/cells/soma", "/network/position"};
-  const double *lo = domain_attribute(validator, "/domain@lo", CONCEG_F64), *hi = domain_attribute(validator, "/domain@hi", CONCEG_F64);
+  const double *lo = domain_attribute(validator, "/domain@lo", CONCEG_F64),
+               *hi = domain_attribute(validator, "/domain@hi", CONCEG_F64);
   const uint8_t *periodic = domain_attribute(validator, "/domain@periodic", CONCEG_U8);
   struct box_check check = {0};
   char got[96];
@@ -220,7 +241,8 @@ static conceg_status check_box(struct validator *validator) {
     check.broken = 0;
     status = doc_each_block(validator->doc, entry, check_places, &check);
     if (status == CONCEG_OK && check.broken)
-      report_value(validator, "CGX-064", SHOULD, entry, check.first, check.broken - 1, "a place in the box of /domain", check.got);
+      report_value(validator, "CGX-064", SHOULD, entry, check.first, check.broken - 1,
+                   "a place in the box of /domain", check.got);
   }
   return status;
 }

@@ -40,11 +40,12 @@ static int next_event(struct reader *reader, yaml_event_t *event) {
     fail_memory(reader);
   } else {
     const size_t line = (reader->parser.error == YAML_READER_ERROR ? reader->parser.mark.line
-                                                                   : reader->parser.problem_mark.line) + 1;
-    reader->status = conceg_ctx_fail(reader->ctx, CONCEG_E_FORMAT, "%s:%zu: not valid YAML: %s%s%s", reader->name, line,
-                                     reader->parser.problem ? reader->parser.problem : "unreadable",
-                                     reader->parser.context ? " " : "",
-                                     reader->parser.context ? reader->parser.context : "");
+                                                                   : reader->parser.problem_mark.line) +
+                        1;
+    reader->status = conceg_ctx_fail(
+        reader->ctx, CONCEG_E_FORMAT, "%s:%zu: not valid YAML: %s%s%s", reader->name, line,
+        reader->parser.problem ? reader->parser.problem : "unreadable", reader->parser.context ? " " : "",
+        reader->parser.context ? reader->parser.context : "");
   }
   return 0;
 }
@@ -75,7 +76,8 @@ static void complete_anchors(struct reader *reader, const conceg_node *node) {
 
 static uint32_t count_nodes(const conceg_node *node) {
   uint32_t total = 1, i;
-  for (i = 0; i < node->count && total < YAML_MAX_NODES; i++) total += count_nodes(node->child[i]);
+  for (i = 0; i < node->count && total < YAML_MAX_NODES; i++)
+    total += count_nodes(node->child[i]);
   return total;
 }
 
@@ -102,10 +104,12 @@ static conceg_node *read_alias(struct reader *reader, const yaml_event_t *event,
   const char *name = (const char *)event->data.alias.anchor;
   size_t i = reader->anchor_count;
   conceg_node *copy;
-  while (i > 0 && strcmp(reader->anchors[i - 1].name, name) != 0) i--;
+  while (i > 0 && strcmp(reader->anchors[i - 1].name, name) != 0)
+    i--;
   if (i == 0) return fail_at(reader, line, "alias of an anchor that is not there"), NULL;
   if (!reader->anchors[i - 1].complete) return fail_at(reader, line, "alias inside its own anchor"), NULL;
-  if (!within_bounds(reader, count_nodes(reader->anchors[i - 1].node), depth + node_depth(reader->anchors[i - 1].node) - 1, line))
+  if (!within_bounds(reader, count_nodes(reader->anchors[i - 1].node),
+                     depth + node_depth(reader->anchors[i - 1].node) - 1, line))
     return NULL;
   copy = node_clone(reader->anchors[i - 1].node);
   if (!copy) fail_memory(reader);
@@ -116,8 +120,10 @@ static conceg_node *read_scalar(struct reader *reader, const yaml_event_t *event
   const size_t line = event->start_mark.line + 1;
   const char *text = (const char *)event->data.scalar.value;
   conceg_node *node;
-  if (event->data.scalar.tag) return fail_at(reader, line, "tags (!...) are not supported; remove the tag"), NULL;
-  if (strlen(text) != event->data.scalar.length) return fail_at(reader, line, "a NUL character in a value"), NULL;
+  if (event->data.scalar.tag)
+    return fail_at(reader, line, "tags (!...) are not supported; remove the tag"), NULL;
+  if (strlen(text) != event->data.scalar.length)
+    return fail_at(reader, line, "a NUL character in a value"), NULL;
   node = node_new_scalar(text, event->data.scalar.length, event->data.scalar.style != YAML_PLAIN_SCALAR_STYLE,
                          (uint32_t)line);
   if (!node || !add_anchor(reader, (const char *)event->data.scalar.anchor, node)) {
@@ -141,7 +147,8 @@ static int read_key(struct reader *reader, const conceg_node *map, const yaml_ev
     return fail_at(reader, line, "a key must be a word"), 0;
   if (map->count == YAML_MAX_KEYS) return fail_at(reader, line, "more than 4096 keys in one map"), 0;
   if (node_find(map, text)) {
-    reader->status = conceg_ctx_fail(reader->ctx, CONCEG_E_FORMAT, "%s:%zu: key %.60s is given twice", reader->name, line, text);
+    reader->status = conceg_ctx_fail(reader->ctx, CONCEG_E_FORMAT, "%s:%zu: key %.60s is given twice",
+                                     reader->name, line, text);
     return 0;
   }
   *key = text_copy(text, strlen(text));
@@ -154,7 +161,8 @@ static conceg_node *read_collection(struct reader *reader, const yaml_event_t *s
   const yaml_char_t *tag = is_map ? start->data.mapping_start.tag : start->data.sequence_start.tag;
   const yaml_char_t *anchor = is_map ? start->data.mapping_start.anchor : start->data.sequence_start.anchor;
   conceg_node *node;
-  if (tag) return fail_at(reader, start->start_mark.line + 1, "tags (!...) are not supported; remove the tag"), NULL;
+  if (tag)
+    return fail_at(reader, start->start_mark.line + 1, "tags (!...) are not supported; remove the tag"), NULL;
   node = node_new(is_map ? NODE_MAP : NODE_LIST, (uint32_t)start->start_mark.line + 1);
   if (!node || !add_anchor(reader, (const char *)anchor, node)) {
     node_free(node);
@@ -206,13 +214,17 @@ static conceg_node *read_stream(struct reader *reader) {
     yaml_event_t event;
     if (!next_event(reader, &event)) break;
     switch (event.type) {
-    case YAML_STREAM_END_EVENT: done = 1; break;
+    case YAML_STREAM_END_EVENT:
+      done = 1;
+      break;
     case YAML_STREAM_START_EVENT:
-    case YAML_DOCUMENT_END_EVENT: break;
+    case YAML_DOCUMENT_END_EVENT:
+      break;
     case YAML_DOCUMENT_START_EVENT:
       if (root) fail_at(reader, event.start_mark.line + 1, "a second document begins; only one is allowed");
       break;
-    default: root = read_node(reader, &event, 1);
+    default:
+      root = read_node(reader, &event, 1);
     }
     yaml_event_delete(&event);
   }
@@ -221,12 +233,15 @@ static conceg_node *read_stream(struct reader *reader) {
   return NULL;
 }
 
-conceg_status yaml_parse(conceg_ctx *ctx, const char *text, size_t length, const char *name, struct yaml_tree **out) {
+conceg_status yaml_parse(conceg_ctx *ctx, const char *text, size_t length, const char *name,
+                         struct yaml_tree **out) {
   struct reader reader;
   struct yaml_tree *tree;
   size_t i;
   *out = NULL;
-  if (length > YAML_MAX_BYTES) return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s: expected at most 16 MiB of YAML, got %zu bytes", name, length);
+  if (length > YAML_MAX_BYTES)
+    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s: expected at most 16 MiB of YAML, got %zu bytes", name,
+                           length);
   memset(&reader, 0, sizeof reader);
   tree = calloc(1, sizeof *tree);
   if (!tree || !yaml_parser_initialize(&reader.parser)) {
@@ -239,7 +254,8 @@ conceg_status yaml_parse(conceg_ctx *ctx, const char *text, size_t length, const
   yaml_parser_set_input_string(&reader.parser, (const unsigned char *)text, length);
   tree->root = read_stream(&reader);
   yaml_parser_delete(&reader.parser);
-  for (i = 0; i < reader.anchor_count; i++) free(reader.anchors[i].name);
+  for (i = 0; i < reader.anchor_count; i++)
+    free(reader.anchors[i].name);
   free(reader.anchors);
   if (tree->root) {
     tree->root->file = text_copy(name, strlen(name));
@@ -253,7 +269,9 @@ conceg_status yaml_parse(conceg_ctx *ctx, const char *text, size_t length, const
   return CONCEG_OK;
 }
 
-const conceg_node *yaml_root(const struct yaml_tree *tree) { return tree ? tree->root : NULL; }
+const conceg_node *yaml_root(const struct yaml_tree *tree) {
+  return tree ? tree->root : NULL;
+}
 
 conceg_node *yaml_take_root(struct yaml_tree *tree) {
   conceg_node *root = tree->root;

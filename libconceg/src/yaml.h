@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * YAML in and out for the library: a tree of nodes with line numbers. Only yaml.c calls libyaml; node.c owns the tree. */
+ * YAML in and out for the library: a tree of nodes with line numbers. Only yaml.c calls libyaml; node.c owns
+ * the tree. */
 #ifndef CONCEG_SRC_YAML_H
 #define CONCEG_SRC_YAML_H
 
@@ -17,20 +18,20 @@ enum node_kind { NODE_SCALAR = 1, NODE_LIST = 2, NODE_MAP = 3 };
 
 struct conceg_node {
   enum node_kind kind;
-  int quoted;       /* scalar in quotes: text, never a number, boolean or null */
-  uint32_t line;    /* 1-based; 0 = from the command line */
+  int quoted;    /* scalar in quotes: text, never a number, boolean or null */
+  uint32_t line; /* 1-based; 0 = from the command line */
   uint32_t count, capacity;
   const struct conceg_node *parent;
-  char *file;       /* root of a file: its name, for messages */
-  char *text;       /* scalar */
-  char **key;       /* map */
+  char *file; /* root of a file: its name, for messages */
+  char *text; /* scalar */
+  char **key; /* map */
   struct conceg_node **child;
 };
 
 struct yaml_tree;
 
-/* Parses one YAML document. E_FORMAT "name:line: ..." for bad syntax, duplicate keys, tags, more than one document, or
- * more depth, nodes or bytes than the bounds. An empty text gives a tree whose root is NULL. */
+/* Parses one YAML document. E_FORMAT "name:line: ..." for bad syntax, duplicate keys, tags, more than one
+ * document, or more depth, nodes or bytes than the bounds. An empty text gives a tree whose root is NULL. */
 conceg_status yaml_parse(conceg_ctx *ctx, const char *text, size_t length, const char *name,
                          struct yaml_tree **out) CONCEG_NODISCARD;
 const conceg_node *yaml_root(const struct yaml_tree *tree);
@@ -46,7 +47,8 @@ void node_free(conceg_node *node);
 const char *node_file(const conceg_node *node);
 /* Sets the line of a node and all below it. */
 void node_set_line(conceg_node *node, uint32_t line);
-/* Appends to a list (key NULL) or a map; takes the child. Returns 0 when out of memory (the child is freed). */
+/* Appends to a list (key NULL) or a map; takes the child. Returns 0 when out of memory (the child is freed).
+ */
 int node_append(conceg_node *parent, const char *key, conceg_node *child);
 /* Puts `child` under `key`, replacing what was there. Returns 0 when out of memory (the child is freed). */
 int node_put(conceg_node *map, const char *key, conceg_node *child);

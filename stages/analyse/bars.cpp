@@ -6,7 +6,8 @@
 namespace conceg::analyse {
 
 void BarCount::add(const BarCount &other) {
-  for (std::size_t s = 0; s < state.size(); s++) state[s] += other.state[s];
+  for (std::size_t s = 0; s < state.size(); s++)
+    state[s] += other.state[s];
   asked += other.asked, achieved += other.achieved, missing += other.missing;
 }
 
@@ -17,7 +18,8 @@ std::vector<BarCount> count_bars(const Bars &bars) {
       cells[cell].state[bars.state[i]]++;
       const double asked = std::max(0.0, bars.asked_end[i] - bars.asked_start[i]);
       const double achieved = std::max(0.0, bars.achieved_end[i] - bars.achieved_start[i]);
-      cells[cell].asked += asked, cells[cell].achieved += achieved, cells[cell].missing += std::max(0.0, asked - achieved);
+      cells[cell].asked += asked, cells[cell].achieved += achieved,
+          cells[cell].missing += std::max(0.0, asked - achieved);
     }
   return cells;
 }

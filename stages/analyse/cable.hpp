@@ -15,7 +15,8 @@ struct Cable {
   void add(const Cable &other) { length += other.length, radius_length += other.radius_length; }
 };
 
-// Neurites by SWC code: 2 axon, 3 basal dendrite, 4 apical dendrite, 7 glial process; any other code counts in place 0.
+// Neurites by SWC code: 2 axon, 3 basal dendrite, 4 apical dendrite, 7 glial process; any other code counts
+// in place 0.
 constexpr std::array<int, 5> neurite_kinds = {0, 2, 3, 4, 7};
 using CellCable = std::array<Cable, neurite_kinds.size()>;
 

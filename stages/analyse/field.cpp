@@ -38,8 +38,11 @@ Cone make_cone(const glm::dvec3 &a, const glm::dvec3 &b, double radius_a, double
 bool inside(const Cone &cone, const glm::dvec3 &p) {
   const glm::dvec3 from = p - cone.a;
   const double x = glm::dot(from, cone.axis), y2 = std::max(0.0, glm::dot(from, from) - x * x);
-  const double along = cone.length > 0 ? std::min(std::max(x + std::sqrt(y2) * cone.lean, 0.0), cone.length) : 0;
-  const double radius = cone.length > 0 ? cone.radius_a + (cone.radius_b - cone.radius_a) * (along / cone.length) : cone.radius_a;
+  const double along =
+      cone.length > 0 ? std::min(std::max(x + std::sqrt(y2) * cone.lean, 0.0), cone.length) : 0;
+  const double radius = cone.length > 0
+                            ? cone.radius_a + (cone.radius_b - cone.radius_a) * (along / cone.length)
+                            : cone.radius_a;
   return y2 + (x - along) * (x - along) < radius * radius;
 }
 
@@ -47,7 +50,8 @@ std::vector<Cone> cones_of(const Cells &cells, const Skeletons &s) {
   std::vector<Cone> cones;
   for (std::size_t cell = 0; cell < cells.type.size(); cell++) {
     const double soma_radius = cells.soma_radius[cell];
-    if (soma_radius > 0) cones.push_back(make_cone(cells.soma[cell], cells.soma[cell], soma_radius, soma_radius, true));
+    if (soma_radius > 0)
+      cones.push_back(make_cone(cells.soma[cell], cells.soma[cell], soma_radius, soma_radius, true));
     if (s.cell_offset.empty()) continue;
     for (std::size_t i = s.cell_offset[cell]; i < s.cell_offset[cell + 1]; i++) {
       const double radius = s.radius[i];
@@ -79,7 +83,8 @@ Grid make_grid(const conceg_box &box, double step) {
   for (int a = 0; a < 3; a++) {
     const double voxels = std::ceil(conceg_box_side(&box, a) / step);
     count *= voxels;
-    if (!(count < 1e11)) fail(CONCEG_E_RANGE, "analyse.field_step_um: %g um makes more than 1e11 voxels; raise it", step);
+    if (!(count < 1e11))
+      fail(CONCEG_E_RANGE, "analyse.field_step_um: %g um makes more than 1e11 voxels; raise it", step);
     grid.lo[a] = box.lo[a];
     grid.step[a] = conceg_box_side(&box, a) / voxels;
     grid.voxels[a] = static_cast<int>(voxels);
@@ -98,7 +103,8 @@ std::vector<Placed> place(const std::vector<Cone> &cones, const conceg_box &box,
   const glm::dvec3 sides = side(box);
   for (std::uint32_t c = 0; c < cones.size(); c++) {
     const double radius = std::max(cones[c].radius_a, cones[c].radius_b);
-    const glm::dvec3 low = glm::min(cones[c].a, cones[c].b) - radius, high = glm::max(cones[c].a, cones[c].b) + radius;
+    const glm::dvec3 low = glm::min(cones[c].a, cones[c].b) - radius,
+                     high = glm::max(cones[c].a, cones[c].b) + radius;
     for_each_lift(box, low, high, [&](const glm::ivec3 &lift) {
       Placed p = {c, lift, glm::ivec3(0), glm::ivec3(0)};
       const glm::dvec3 shift = sides * glm::dvec3(lift);
@@ -126,32 +132,41 @@ template <class Body> void for_each_block(const Grid &grid, const Placed &p, Bod
   for (int x = p.first.x / block_side; x <= p.last.x / block_side; x++)
     for (int y = p.first.y / block_side; y <= p.last.y / block_side; y++)
       for (int z = p.first.z / block_side; z <= p.last.z / block_side; z++)
-        body((static_cast<std::size_t>(x) * static_cast<std::size_t>(grid.blocks.y) + static_cast<std::size_t>(y)) *
-                 static_cast<std::size_t>(grid.blocks.z) + static_cast<std::size_t>(z));
+        body((static_cast<std::size_t>(x) * static_cast<std::size_t>(grid.blocks.y) +
+              static_cast<std::size_t>(y)) *
+                 static_cast<std::size_t>(grid.blocks.z) +
+             static_cast<std::size_t>(z));
 }
 
 BlockIndex index_blocks(const Grid &grid, const std::vector<Placed> &placed) {
-  const std::size_t blocks = static_cast<std::size_t>(grid.blocks.x) * static_cast<std::size_t>(grid.blocks.y) * static_cast<std::size_t>(grid.blocks.z);
+  const std::size_t blocks = static_cast<std::size_t>(grid.blocks.x) *
+                             static_cast<std::size_t>(grid.blocks.y) *
+                             static_cast<std::size_t>(grid.blocks.z);
   BlockIndex index;
   index.offset.assign(blocks + 1, 0);
-  for (const Placed &p : placed) for_each_block(grid, p, [&](std::size_t b) { index.offset[b + 1]++; });
-  for (std::size_t b = 0; b < blocks; b++) index.offset[b + 1] += index.offset[b];
+  for (const Placed &p : placed)
+    for_each_block(grid, p, [&](std::size_t b) { index.offset[b + 1]++; });
+  for (std::size_t b = 0; b < blocks; b++)
+    index.offset[b + 1] += index.offset[b];
   index.entry.resize(index.offset.back());
   std::vector<std::uint64_t> next(index.offset.begin(), index.offset.end() - 1);
-  for (std::uint32_t i = 0; i < placed.size(); i++) for_each_block(grid, placed[i], [&](std::size_t b) { index.entry[next[b]++] = i; });
+  for (std::uint32_t i = 0; i < placed.size(); i++)
+    for_each_block(grid, placed[i], [&](std::size_t b) { index.entry[next[b]++] = i; });
   return index;
 }
 
 enum Voxel : std::uint8_t { outside = 0, in_neurite = 1, in_soma = 2 };
 
 // Marks the voxels of one block that lie inside one cone.
-void mark(const Grid &grid, const glm::dvec3 &shift, const Cone &cone, const Placed &p, const glm::ivec3 &corner, std::uint8_t *voxel) {
+void mark(const Grid &grid, const glm::dvec3 &shift, const Cone &cone, const Placed &p,
+          const glm::ivec3 &corner, std::uint8_t *voxel) {
   const glm::ivec3 first = glm::max(p.first, corner), last = glm::min(p.last, corner + (block_side - 1));
   const std::uint8_t value = cone.soma ? in_soma : in_neurite;
   for (int x = first.x; x <= last.x; x++)
     for (int y = first.y; y <= last.y; y++)
       for (int z = first.z; z <= last.z; z++) {
-        std::uint8_t &at = voxel[((x - corner.x) * block_side + (y - corner.y)) * block_side + (z - corner.z)];
+        std::uint8_t &at =
+            voxel[((x - corner.x) * block_side + (y - corner.y)) * block_side + (z - corner.z)];
         if (at >= value) continue;
         if (inside(cone, grid.lo + (glm::dvec3(x, y, z) + 0.5) * grid.step - shift)) at = value;
       }
@@ -159,8 +174,8 @@ void mark(const Grid &grid, const glm::dvec3 &shift, const Cone &cone, const Pla
 
 } // namespace
 
-FieldShares field_shares(const Cells &cells, const Skeletons &skeletons, const conceg_box &box, double step, Workers &workers,
-                         const Progress &progress) {
+FieldShares field_shares(const Cells &cells, const Skeletons &skeletons, const conceg_box &box, double step,
+                         Workers &workers, const Progress &progress) {
   const std::vector<Cone> cones = cones_of(cells, skeletons);
   const Grid grid = make_grid(box, step);
   const std::vector<Placed> placed = place(cones, box, grid);
@@ -179,14 +194,17 @@ FieldShares field_shares(const Cells &cells, const Skeletons &skeletons, const c
         const Placed &p = placed[index.entry[i]];
         mark(grid, sides * glm::dvec3(p.lift), cones[p.cone], p, corner, voxel.data());
       }
-      for (const std::uint8_t v : voxel) counts[b][v]++;
+      for (const std::uint8_t v : voxel)
+        counts[b][v]++;
     });
   }
   std::array<std::uint64_t, 3> sum = {0, 0, 0};
   for (const auto &c : counts)
-    for (std::size_t v = 0; v < 3; v++) sum[v] += c[v];
+    for (std::size_t v = 0; v < 3; v++)
+      sum[v] += c[v];
   FieldShares shares;
-  shares.voxels = static_cast<std::uint64_t>(grid.voxels.x) * static_cast<std::uint64_t>(grid.voxels.y) * static_cast<std::uint64_t>(grid.voxels.z);
+  shares.voxels = static_cast<std::uint64_t>(grid.voxels.x) * static_cast<std::uint64_t>(grid.voxels.y) *
+                  static_cast<std::uint64_t>(grid.voxels.z);
   shares.soma = static_cast<double>(sum[in_soma]) / static_cast<double>(shares.voxels);
   shares.neurite = static_cast<double>(sum[in_neurite]) / static_cast<double>(shares.voxels);
   return shares;

@@ -29,29 +29,36 @@ Tree tree_of(const Skeletons &s, std::size_t cell) {
   tree.offset.assign(tree.size + 1, 0);
   for (std::size_t i = 0; i < tree.size; i++)
     if (tree.parent[i] >= 0) tree.offset[static_cast<std::size_t>(tree.parent[i]) + 1]++;
-  for (std::size_t i = 0; i < tree.size; i++) tree.offset[i + 1] += tree.offset[i];
+  for (std::size_t i = 0; i < tree.size; i++)
+    tree.offset[i + 1] += tree.offset[i];
   tree.child.resize(tree.offset[tree.size]);
   std::vector<std::uint32_t> next(tree.offset.begin(), tree.offset.end() - 1);
   for (std::size_t i = 0; i < tree.size; i++)
-    if (tree.parent[i] >= 0) tree.child[next[static_cast<std::size_t>(tree.parent[i])]++] = static_cast<std::uint32_t>(i);
+    if (tree.parent[i] >= 0)
+      tree.child[next[static_cast<std::size_t>(tree.parent[i])]++] = static_cast<std::uint32_t>(i);
   return tree;
 }
 
 void measure_sections(const Tree &tree, std::uint32_t cell, std::vector<Section> &out) {
-  // Order of the section that starts below a point: that of the point's own section, and one more below a fork.
+  // Order of the section that starts below a point: that of the point's own section, and one more below a
+  // fork.
   std::vector<int> order(tree.size, 1);
   for (std::size_t i = 0; i < tree.size; i++) {
     const std::int64_t parent = tree.parent[i];
-    if (parent >= 0) order[i] = order[static_cast<std::size_t>(parent)] + (tree.children(static_cast<std::size_t>(parent)) > 1);
+    if (parent >= 0)
+      order[i] =
+          order[static_cast<std::size_t>(parent)] + (tree.children(static_cast<std::size_t>(parent)) > 1);
     const bool starts = parent < 0 || tree.children(static_cast<std::size_t>(parent)) > 1;
     if (!starts) continue;
     std::vector<glm::dvec3> line;
     if (parent >= 0) line.push_back(tree.position[parent]);
     std::size_t end = i;
     line.push_back(tree.position[end]);
-    while (tree.children(end) == 1) line.push_back(tree.position[end = tree.child[tree.offset[end]]]);
+    while (tree.children(end) == 1)
+      line.push_back(tree.position[end = tree.child[tree.offset[end]]]);
     Section section = {cell, order[i], 0, -1, tree.children(end) == 0};
-    for (std::size_t k = 1; k < line.size(); k++) section.length += glm::distance(line[k], line[k - 1]);
+    for (std::size_t k = 1; k < line.size(); k++)
+      section.length += glm::distance(line[k], line[k - 1]);
     if (section.length >= shortest_path) section.straightness = straightness(line, resample_step);
     out.push_back(section);
   }
@@ -73,7 +80,8 @@ void measure_forks(const Tree &tree, std::uint32_t cell, std::vector<Fork> &out)
     if (tree.children(i) != 2) continue;
     const glm::dvec3 a = first_segment(tree, i, tree.child[tree.offset[i]]);
     const glm::dvec3 b = first_segment(tree, i, tree.child[tree.offset[i] + 1]);
-    if (glm::length(a) > 0 && glm::length(b) > 0) out.push_back({cell, conceg_atan2(glm::length(glm::cross(a, b)), glm::dot(a, b))});
+    if (glm::length(a) > 0 && glm::length(b) > 0)
+      out.push_back({cell, conceg_atan2(glm::length(glm::cross(a, b)), glm::dot(a, b))});
   }
 }
 
@@ -117,10 +125,12 @@ Spread spread_of(const std::vector<double> &values) {
   Spread s;
   s.count = values.size();
   if (values.empty()) return s;
-  for (const double v : values) s.mean += v;
+  for (const double v : values)
+    s.mean += v;
   s.mean /= static_cast<double>(values.size());
   double square = 0;
-  for (const double v : values) square += (v - s.mean) * (v - s.mean);
+  for (const double v : values)
+    square += (v - s.mean) * (v - s.mean);
   s.sd = std::sqrt(square / static_cast<double>(values.size()));
   return s;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Shape of the trees: sections (= branches, runs between root, fork and tip), their order, length, straightness and angles.
+// Shape of the trees: sections (= branches, runs between root, fork and tip), their order, length,
+// straightness and angles.
 #pragma once
 
 #include "tissue.hpp"
@@ -10,7 +11,8 @@ struct Section {
   std::uint32_t cell;
   int order;           // 1 at the root section
   double length;       // path, um
-  double straightness; // end-to-end / path, resampled every 1 um; below 0 when the path is shorter than 2 um: not judged
+  double straightness; // end-to-end / path, resampled every 1 um; below 0 when the path is shorter than 2 um:
+                       // not judged
   bool tip;            // ends free
 };
 

@@ -14,9 +14,10 @@ struct PointShare {
   double standard_error = 0;
 };
 
-// Uniform points, each located by the signed faces that a ray from it crosses, over all periodic images. Sides are decided
-// in double on edges that neighbouring faces share bit by bit, so that no ray slips between two faces.
-PointShare locate_points(const Meshes &meshes, const conceg_box &box, std::uint64_t points, std::uint64_t seed, Workers &workers,
-                         const Progress &progress);
+// Uniform points, each located by the signed faces that a ray from it crosses, over all periodic images.
+// Sides are decided in double on edges that neighbouring faces share bit by bit, so that no ray slips between
+// two faces.
+PointShare locate_points(const Meshes &meshes, const conceg_box &box, std::uint64_t points,
+                         std::uint64_t seed, Workers &workers, const Progress &progress);
 
 } // namespace conceg::analyse

@@ -41,26 +41,37 @@ Skeletons read_skeletons(conceg_doc *doc, const Cells &cells) {
 Meshes read_meshes(conceg_doc *doc, const Cells &cells, std::size_t &left_out) {
   Meshes all, chosen;
   all.cell = values<std::uint32_t>(doc, "/meshes/cell");
-  all.vertex_offset = values<std::uint64_t>(doc, "/meshes/vertex_offset"), all.face_offset = values<std::uint64_t>(doc, "/meshes/face_offset");
-  all.vertex = vec3s<glm::dvec3>(doc, "/meshes/vertex"), all.face = values<std::uint32_t>(doc, "/meshes/face", 3);
+  all.vertex_offset = values<std::uint64_t>(doc, "/meshes/vertex_offset"),
+  all.face_offset = values<std::uint64_t>(doc, "/meshes/face_offset");
+  all.vertex = vec3s<glm::dvec3>(doc, "/meshes/vertex"),
+  all.face = values<std::uint32_t>(doc, "/meshes/face", 3);
   check(all, cells);
   const std::size_t surfaces = all.cell.size();
-  const std::vector<std::string> form = has(doc, "/meshes/form") ? texts(doc, "/meshes/form") : std::vector<std::string>(surfaces, "closed");
-  const std::vector<std::uint8_t> lod = has(doc, "/meshes/lod") ? values<std::uint8_t>(doc, "/meshes/lod") : std::vector<std::uint8_t>(surfaces, 0);
+  const std::vector<std::string> form =
+      has(doc, "/meshes/form") ? texts(doc, "/meshes/form") : std::vector<std::string>(surfaces, "closed");
+  const std::vector<std::uint8_t> lod = has(doc, "/meshes/lod") ? values<std::uint8_t>(doc, "/meshes/lod")
+                                                                : std::vector<std::uint8_t>(surfaces, 0);
   if (form.size() != surfaces || lod.size() != surfaces)
-    fail(CONCEG_E_FORMAT, "/meshes: expected %zu values of form and lod, got %zu and %zu", surfaces, form.size(), lod.size());
+    fail(CONCEG_E_FORMAT, "/meshes: expected %zu values of form and lod, got %zu and %zu", surfaces,
+         form.size(), lod.size());
   const auto wanted = [&](std::size_t k) { return form[k] == "closed" && lod[k] == 0; };
   left_out = 0;
-  for (std::size_t k = 0; k < surfaces; k++) left_out += !wanted(k);
+  for (std::size_t k = 0; k < surfaces; k++)
+    left_out += !wanted(k);
   if (!left_out) return all;
   chosen.vertex_offset = chosen.face_offset = {0};
   for (std::size_t k = 0; k < surfaces; k++) {
     if (!wanted(k)) continue;
-    const auto at = [](auto &vector, std::uint64_t i) { return vector.begin() + static_cast<std::ptrdiff_t>(i); };
+    const auto at = [](auto &vector, std::uint64_t i) {
+      return vector.begin() + static_cast<std::ptrdiff_t>(i);
+    };
     chosen.cell.push_back(all.cell[k]);
-    chosen.vertex.insert(chosen.vertex.end(), at(all.vertex, all.vertex_offset[k]), at(all.vertex, all.vertex_offset[k + 1]));
-    chosen.face.insert(chosen.face.end(), at(all.face, 3 * all.face_offset[k]), at(all.face, 3 * all.face_offset[k + 1]));
-    chosen.vertex_offset.push_back(chosen.vertex.size()), chosen.face_offset.push_back(chosen.face.size() / 3);
+    chosen.vertex.insert(chosen.vertex.end(), at(all.vertex, all.vertex_offset[k]),
+                         at(all.vertex, all.vertex_offset[k + 1]));
+    chosen.face.insert(chosen.face.end(), at(all.face, 3 * all.face_offset[k]),
+                       at(all.face, 3 * all.face_offset[k + 1]));
+    chosen.vertex_offset.push_back(chosen.vertex.size()),
+        chosen.face_offset.push_back(chosen.face.size() / 3);
   }
   return chosen;
 }
@@ -68,8 +79,10 @@ Meshes read_meshes(conceg_doc *doc, const Cells &cells, std::size_t &left_out) {
 Bars read_bars(conceg_doc *doc, const Cells &cells) {
   Bars b;
   b.cell_offset = values<std::uint64_t>(doc, "/bars/cell_offset");
-  b.asked_start = values<double>(doc, "/bars/asked_start"), b.asked_end = values<double>(doc, "/bars/asked_end");
-  b.achieved_start = values<double>(doc, "/bars/achieved_start"), b.achieved_end = values<double>(doc, "/bars/achieved_end");
+  b.asked_start = values<double>(doc, "/bars/asked_start"),
+  b.asked_end = values<double>(doc, "/bars/asked_end");
+  b.achieved_start = values<double>(doc, "/bars/achieved_start"),
+  b.achieved_end = values<double>(doc, "/bars/achieved_end");
   b.state = values<std::uint8_t>(doc, "/bars/state");
   check(b, cells);
   return b;
@@ -79,14 +92,17 @@ void write_table(conceg_doc *doc, const Table &table) {
   for (const Column &column : table.columns) {
     const std::string path = "/statistics/" + table.name + "/" + column.name;
     std::vector<const char *> strings(column.texts.size());
-    std::transform(column.texts.begin(), column.texts.end(), strings.begin(), [](const std::string &s) { return s.c_str(); });
+    std::transform(column.texts.begin(), column.texts.end(), strings.begin(),
+                   [](const std::string &s) { return s.c_str(); });
     conceg_array array = {};
     array.size = sizeof array;
     array.rank = 1;
     array.shape[0] = column.rows();
     array.unit = column.unit.c_str();
-    array.dtype = column.type == Column::text ? CONCEG_TEXT : column.type == Column::whole ? CONCEG_U64 : CONCEG_F64;
-    array.data = column.type == Column::text ? static_cast<const void *>(strings.data())
+    array.dtype = column.type == Column::text    ? CONCEG_TEXT
+                  : column.type == Column::whole ? CONCEG_U64
+                                                 : CONCEG_F64;
+    array.data = column.type == Column::text    ? static_cast<const void *>(strings.data())
                  : column.type == Column::whole ? static_cast<const void *>(column.wholes.data())
                                                 : static_cast<const void *>(column.reals.data());
     must(conceg_doc_write(doc, path.c_str(), &array));
@@ -95,22 +111,26 @@ void write_table(conceg_doc *doc, const Table &table) {
 
 void log_table(conceg_ctx *ctx, const Table &table) {
   conceg_ctx_log(ctx, CONCEG_LOG_INFO, "--- %s", table.name.c_str());
-  for (const std::string &line : table.lines()) conceg_ctx_log(ctx, CONCEG_LOG_INFO, "%s", line.c_str());
+  for (const std::string &line : table.lines())
+    conceg_ctx_log(ctx, CONCEG_LOG_INFO, "%s", line.c_str());
 }
 
-void measure_meshes(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, const Cells &cells, const conceg_box &box,
-                    Workers &workers, Measures &measures) {
+void measure_meshes(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, const Cells &cells,
+                    const conceg_box &box, Workers &workers, Measures &measures) {
   std::size_t left_out = 0;
   const Meshes meshes = read_meshes(doc, cells, left_out);
-  if (left_out) conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "analyse: %zu surfaces left out (not closed, or not of the finest level)", left_out);
+  if (left_out)
+    conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
+                   "analyse: %zu surfaces left out (not closed, or not of the finest level)", left_out);
   const std::vector<Size> surfaces = surface_sizes(meshes, box, workers);
   measures.sizes.resize(cells.type.size());
   for (std::size_t k = 0; k < surfaces.size(); k++) {
     measures.sizes[meshes.cell[k]].volume += surfaces[k].volume;
     measures.sizes[meshes.cell[k]].area += surfaces[k].area;
   }
-  measures.points = locate_points(meshes, box, static_cast<std::uint64_t>(conceg_params_i64(params, "points")), conceg_ctx_seed(ctx),
-                                  workers, progress_of(ctx));
+  measures.points =
+      locate_points(meshes, box, static_cast<std::uint64_t>(conceg_params_i64(params, "points")),
+                    conceg_ctx_seed(ctx), workers, progress_of(ctx));
 }
 
 // Half of the meshes' grid, or 0.125 um when there is none, unless the parameter says otherwise.
@@ -139,26 +159,38 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
   } else {
     leave_out("/skeleton", "cable, morphometry and the field's volume fraction");
   }
-  if (has(doc, "/meshes/vertex")) measure_meshes(ctx, doc, params, cells, box, workers, measures);
-  else leave_out("/meshes", "mesh volumes, surfaces and located points");
-  if (has(doc, "/bars/achieved_end")) measures.bars = count_bars(read_bars(doc, cells));
-  else leave_out("/bars", "asked and achieved bars");
+  if (has(doc, "/meshes/vertex"))
+    measure_meshes(ctx, doc, params, cells, box, workers, measures);
+  else
+    leave_out("/meshes", "mesh volumes, surfaces and located points");
+  if (has(doc, "/bars/achieved_end"))
+    measures.bars = count_bars(read_bars(doc, cells));
+  else
+    leave_out("/bars", "asked and achieved bars");
   workers.count(ctx, "analyse.items");
 
   must(conceg_doc_drop(doc, "/statistics"));
-  for (const Table &table : {summary_table(cells, measures), class_table(cells, measures), type_table(cells, measures), neurite_table(cells, measures),
-                             bars_table(cells, measures), morphometry_table(cells, measures), cell_table(cells, measures)}) {
+  for (const Table &table :
+       {summary_table(cells, measures), class_table(cells, measures), type_table(cells, measures),
+        neurite_table(cells, measures), bars_table(cells, measures), morphometry_table(cells, measures),
+        cell_table(cells, measures)}) {
     if (!table.rows()) continue;
     write_table(doc, table);
     if (table.name != "cell" && table.name != "type") log_table(ctx, table);
   }
-  const double difference = largest_difference(measures), allowed = conceg_params_f64(params, "icvf_tolerance");
+  const double difference = largest_difference(measures),
+               allowed = conceg_params_f64(params, "icvf_tolerance");
   if (difference > allowed)
-    conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "analyse: the volume fraction's measures differ by %.4f (allowed %.4f): mesh %.4f, field %.4f, points %.4f",
-                   difference, allowed, mesh_fraction(measures), measures.field.soma + measures.field.neurite, measures.points.inside);
+    conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
+                   "analyse: the volume fraction's measures differ by %.4f (allowed %.4f): mesh %.4f, field "
+                   "%.4f, points %.4f",
+                   difference, allowed, mesh_fraction(measures), measures.field.soma + measures.field.neurite,
+                   measures.points.inside);
   if (measures.points.in_several)
-    conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "analyse: %llu of %llu points lie in more than one cell: the meshes are not disjoint",
-                   static_cast<unsigned long long>(measures.points.in_several), static_cast<unsigned long long>(measures.points.points));
+    conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
+                   "analyse: %llu of %llu points lie in more than one cell: the meshes are not disjoint",
+                   static_cast<unsigned long long>(measures.points.in_several),
+                   static_cast<unsigned long long>(measures.points.points));
 }
 
 conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
@@ -166,9 +198,12 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
 }
 
 const conceg_param parameters[] = {
-    {"points", "1", "random points located in the meshes (0 = none)", "1000000", nullptr, CONCEG_PARAM_I64, 0, 0, 1e9},
-    {"field_step_um", "um", "voxel of the field's volume fraction; 0 = half of the meshes' grid", "0", nullptr, CONCEG_PARAM_F64, 0, 0, 10},
-    {"icvf_tolerance", "1", "difference of the three volume fractions that is not warned about", "0.005", nullptr, CONCEG_PARAM_F64, 0, 0, 1},
+    {"points", "1", "random points located in the meshes (0 = none)", "1000000", nullptr, CONCEG_PARAM_I64, 0,
+     0, 1e9},
+    {"field_step_um", "um", "voxel of the field's volume fraction; 0 = half of the meshes' grid", "0",
+     nullptr, CONCEG_PARAM_F64, 0, 0, 10},
+    {"icvf_tolerance", "1", "difference of the three volume fractions that is not warned about", "0.005",
+     nullptr, CONCEG_PARAM_F64, 0, 0, 1},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};
 const char *const reads[] = {"domain", "types", "cells", nullptr};
 const char *const writes[] = {"statistics", nullptr};

@@ -14,16 +14,23 @@ struct Column {
   std::vector<std::string> texts;
   std::vector<std::uint64_t> wholes;
   std::vector<double> reals;
-  std::size_t rows() const { return type == text ? texts.size() : type == whole ? wholes.size() : reals.size(); }
+  std::size_t rows() const {
+    return type == text ? texts.size() : type == whole ? wholes.size() : reals.size();
+  }
 };
 
 class Table {
 public:
   explicit Table(std::string table_name) : name(std::move(table_name)) {}
-  // Adds one value to the named column, which is made when it is new. All columns must end with the same number of rows.
-  void put(const char *column, const std::string &value) { at(column, Column::text, "").texts.push_back(value); }
+  // Adds one value to the named column, which is made when it is new. All columns must end with the same
+  // number of rows.
+  void put(const char *column, const std::string &value) {
+    at(column, Column::text, "").texts.push_back(value);
+  }
   void put(const char *column, std::uint64_t value) { at(column, Column::whole, "").wholes.push_back(value); }
-  void put(const char *column, double value, const char *unit) { at(column, Column::real, unit).reals.push_back(value); }
+  void put(const char *column, double value, const char *unit) {
+    at(column, Column::real, unit).reals.push_back(value);
+  }
   std::size_t rows() const { return columns.empty() ? 0 : columns.front().rows(); }
   // The table as lines of aligned text: the names, then the rows.
   std::vector<std::string> lines() const;

@@ -19,7 +19,8 @@ double soma_volume(const Cells &cells, std::size_t cell) {
 
 Cable all_of(const CellCable &kinds) {
   Cable sum;
-  for (const Cable &kind : kinds) sum.add(kind);
+  for (const Cable &kind : kinds)
+    sum.add(kind);
   return sum;
 }
 
@@ -80,14 +81,16 @@ void put_sums(Table &table, const Measures &m, const Sums &sums) {
 void put_bars(Table &table, const BarCount &bars) {
   const char *const states[] = {"waiting", "done", "short", "lost", "handed"};
   table.put("bars", bars.bars());
-  for (std::size_t s = 0; s < 5; s++) table.put(states[s], bars.state[s]);
+  for (std::size_t s = 0; s < 5; s++)
+    table.put(states[s], bars.state[s]);
   table.put("asked", bars.asked, "um");
   table.put("achieved", bars.achieved, "um");
   table.put("missing", bars.missing, "um");
 }
 
 // Share of pyramidal cells whose apical tips lie, on the mean, on the pia's side of the soma.
-void put_apical(const Cells &cells, const Measures &m, const std::function<void(const char *, double, const char *)> &row) {
+void put_apical(const Cells &cells, const Measures &m,
+                const std::function<void(const char *, double, const char *)> &row) {
   std::uint64_t with_tips = 0, upward = 0, tips = 0, pia_side = 0;
   for (std::size_t cell = 0; cell < m.shape.apical.size(); cell++) {
     const Apical &apical = m.shape.apical[cell];
@@ -99,7 +102,8 @@ void put_apical(const Cells &cells, const Measures &m, const std::function<void(
   row("apical_tips_pia_side", static_cast<double>(pia_side) / static_cast<double>(tips), "1");
 }
 
-void put_spread(Table &table, const std::string &group, const char *measure, const std::vector<double> &values, const char *unit) {
+void put_spread(Table &table, const std::string &group, const char *measure,
+                const std::vector<double> &values, const char *unit) {
   const Spread spread = spread_of(values);
   table.put("class", group);
   table.put("measure", std::string(measure));
@@ -113,7 +117,8 @@ void put_spread(Table &table, const std::string &group, const char *measure, con
 
 double mesh_fraction(const Measures &m) {
   double volume = 0;
-  for (const Size &size : m.sizes) volume += size.volume;
+  for (const Size &size : m.sizes)
+    volume += size.volume;
   return volume / m.box_volume;
 }
 
@@ -122,7 +127,9 @@ double largest_difference(const Measures &m) {
   if (!m.sizes.empty()) shares.push_back(mesh_fraction(m));
   if (m.field.voxels) shares.push_back(m.field.soma + m.field.neurite);
   if (m.points.points) shares.push_back(m.points.inside);
-  return shares.empty() ? 0 : *std::max_element(shares.begin(), shares.end()) - *std::min_element(shares.begin(), shares.end());
+  return shares.empty() ? 0
+                        : *std::max_element(shares.begin(), shares.end()) -
+                              *std::min_element(shares.begin(), shares.end());
 }
 
 Table summary_table(const Cells &cells, const Measures &m) {
@@ -138,7 +145,8 @@ Table summary_table(const Cells &cells, const Measures &m) {
   row("cell_density", static_cast<double>(sums.cells) / m.box_volume, "um^-3");
   if (!m.sizes.empty()) row("icvf_mesh", mesh_fraction(m), "1");
   if (m.field.voxels) row("icvf_field", m.field.soma + m.field.neurite, "1");
-  if (m.points.points) row("icvf_points", m.points.inside, "1"), row("icvf_points_standard_error", m.points.standard_error, "1");
+  if (m.points.points)
+    row("icvf_points", m.points.inside, "1"), row("icvf_points_standard_error", m.points.standard_error, "1");
   if (!m.sizes.empty()) row("icvf_largest_difference", largest_difference(m), "1");
   if (m.points.points) row("points_in_several_cells", static_cast<double>(m.points.in_several), "1");
   if (m.field.voxels) {

@@ -14,14 +14,14 @@ namespace conceg::analyse {
 
 // Everything that was measured; an empty vector (or a measure with nothing in it) was left out.
 struct Measures {
-  double box_volume = 0;            // um3
-  std::vector<Size> sizes;          // per cell, of its surfaces
-  std::vector<CellCable> cable;     // per cell
-  std::vector<BarCount> bars;       // per cell
-  Morphometry shape;                // apical is empty without a skeleton
-  FieldShares field;                // voxels 0: not measured
-  double field_step = 0;            // um
-  PointShare points;                // points 0: not measured
+  double box_volume = 0;        // um3
+  std::vector<Size> sizes;      // per cell, of its surfaces
+  std::vector<CellCable> cable; // per cell
+  std::vector<BarCount> bars;   // per cell
+  Morphometry shape;            // apical is empty without a skeleton
+  FieldShares field;            // voxels 0: not measured
+  double field_step = 0;        // um
+  PointShare points;            // points 0: not measured
 };
 
 // Volume fraction by the meshes; 0 without meshes.

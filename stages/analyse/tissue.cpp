@@ -7,17 +7,28 @@ namespace conceg::analyse {
 
 namespace {
 
-bool finite(const glm::dvec3 &p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+// Far enough for any tissue, and near enough that lifts fit into 32 bits.
+constexpr double farthest = 1e7; // um
 
-unsigned long long number(std::uint64_t n) { return n; }
+bool near_enough(const glm::dvec3 &p) {
+  return std::abs(p.x) < farthest && std::abs(p.y) < farthest && std::abs(p.z) < farthest;
+}
 
-void check_offsets(const char *path, const std::vector<std::uint64_t> &offset, std::size_t groups, std::size_t rows) {
-  if (offset.size() != groups + 1) fail(CONCEG_E_FORMAT, "%s: expected %zu values, got %zu", path, groups + 1, offset.size());
+unsigned long long number(std::uint64_t n) {
+  return n;
+}
+
+void check_offsets(const char *path, const std::vector<std::uint64_t> &offset, std::size_t groups,
+                   std::size_t rows) {
+  if (offset.size() != groups + 1)
+    fail(CONCEG_E_FORMAT, "%s: expected %zu values, got %zu", path, groups + 1, offset.size());
   if (offset.front() != 0 || offset.back() != rows)
-    fail(CONCEG_E_FORMAT, "%s: expected 0 first and %zu last, got %llu and %llu", path, rows, number(offset.front()), number(offset.back()));
+    fail(CONCEG_E_FORMAT, "%s: expected 0 first and %zu last, got %llu and %llu", path, rows,
+         number(offset.front()), number(offset.back()));
   for (std::size_t i = 0; i < groups; i++)
     if (offset[i] > offset[i + 1])
-      fail(CONCEG_E_FORMAT, "%s[%zu]: expected ascending offsets, got %llu before %llu", path, i, number(offset[i]), number(offset[i + 1]));
+      fail(CONCEG_E_FORMAT, "%s[%zu]: expected ascending offsets, got %llu before %llu", path, i,
+           number(offset[i]), number(offset[i + 1]));
 }
 
 void check_length(const char *path, std::size_t got, std::size_t expected) {
@@ -33,10 +44,13 @@ void check(const Cells &c) {
   check_length("/cells/radius", c.soma_radius.size(), c.type.size());
   for (std::size_t i = 0; i < c.type.size(); i++) {
     if (c.type[i] >= c.type_name.size())
-      fail(CONCEG_E_RANGE, "/cells/type[%zu]: expected a type below %zu, got %u", i, c.type_name.size(), c.type[i]);
-    if (!finite(c.soma[i])) fail(CONCEG_E_RANGE, "/cells/soma[%zu]: expected finite coordinates", i);
+      fail(CONCEG_E_RANGE, "/cells/type[%zu]: expected a type below %zu, got %u", i, c.type_name.size(),
+           c.type[i]);
+    if (!near_enough(c.soma[i]))
+      fail(CONCEG_E_RANGE, "/cells/soma[%zu]: expected finite coordinates below 1e7 um", i);
     if (!(c.soma_radius[i] >= 0) || !std::isfinite(c.soma_radius[i]))
-      fail(CONCEG_E_RANGE, "/cells/radius[%zu]: expected a radius >= 0 um, got %g", i, static_cast<double>(c.soma_radius[i]));
+      fail(CONCEG_E_RANGE, "/cells/radius[%zu]: expected a radius >= 0 um, got %g", i,
+           static_cast<double>(c.soma_radius[i]));
   }
 }
 
@@ -50,11 +64,13 @@ void check(const Skeletons &s, const Cells &cells) {
     for (std::size_t i = s.cell_offset[cell]; i < s.cell_offset[cell + 1]; i++) {
       const std::size_t row = i - s.cell_offset[cell];
       if (s.parent[i] < -1 || s.parent[i] >= static_cast<std::int64_t>(row))
-        fail(CONCEG_E_RANGE, "/skeleton/parent[%zu]: expected -1 or a row of the cell below %zu, got %lld", i, row,
-             static_cast<long long>(s.parent[i]));
-      if (!finite(s.position[i])) fail(CONCEG_E_RANGE, "/skeleton/position[%zu]: expected finite coordinates", i);
+        fail(CONCEG_E_RANGE, "/skeleton/parent[%zu]: expected -1 or a row of the cell below %zu, got %lld", i,
+             row, static_cast<long long>(s.parent[i]));
+      if (!near_enough(s.position[i]))
+        fail(CONCEG_E_RANGE, "/skeleton/position[%zu]: expected finite coordinates below 1e7 um", i);
       if (!(s.radius[i] > 0) || !std::isfinite(s.radius[i]))
-        fail(CONCEG_E_RANGE, "/skeleton/radius[%zu]: expected a radius > 0 um, got %g", i, static_cast<double>(s.radius[i]));
+        fail(CONCEG_E_RANGE, "/skeleton/radius[%zu]: expected a radius > 0 um, got %g", i,
+             static_cast<double>(s.radius[i]));
     }
 }
 
@@ -62,14 +78,17 @@ void check(const Meshes &m, const Cells &cells) {
   check_offsets("/meshes/vertex_offset", m.vertex_offset, m.cell.size(), m.vertex.size());
   check_offsets("/meshes/face_offset", m.face_offset, m.cell.size(), m.face.size() / 3);
   for (std::size_t v = 0; v < m.vertex.size(); v++)
-    if (!finite(m.vertex[v])) fail(CONCEG_E_RANGE, "/meshes/vertex[%zu]: expected finite coordinates", v);
+    if (!near_enough(m.vertex[v]))
+      fail(CONCEG_E_RANGE, "/meshes/vertex[%zu]: expected finite coordinates below 1e7 um", v);
   for (std::size_t k = 0; k < m.cell.size(); k++) {
     if (m.cell[k] >= cells.type.size())
-      fail(CONCEG_E_RANGE, "/meshes/cell[%zu]: expected a cell below %zu, got %u", k, cells.type.size(), m.cell[k]);
+      fail(CONCEG_E_RANGE, "/meshes/cell[%zu]: expected a cell below %zu, got %u", k, cells.type.size(),
+           m.cell[k]);
     const std::uint64_t vertices = m.vertex_offset[k + 1] - m.vertex_offset[k];
     for (std::size_t f = 3 * m.face_offset[k]; f < 3 * m.face_offset[k + 1]; f++)
       if (m.face[f] >= vertices)
-        fail(CONCEG_E_RANGE, "/meshes/face[%zu]: expected vertices below %llu, got %u", f / 3, number(vertices), m.face[f]);
+        fail(CONCEG_E_RANGE, "/meshes/face[%zu]: expected vertices below %llu, got %u", f / 3,
+             number(vertices), m.face[f]);
   }
 }
 

@@ -31,8 +31,8 @@ struct Skeletons {
 
 // Closed surfaces in unwrapped coordinates.
 struct Meshes {
-  std::vector<std::uint32_t> cell;                        // per surface
-  std::vector<std::uint64_t> vertex_offset, face_offset;  // per surface + 1; empty when there are no meshes
+  std::vector<std::uint32_t> cell;                       // per surface
+  std::vector<std::uint64_t> vertex_offset, face_offset; // per surface + 1; empty when there are no meshes
   std::vector<glm::dvec3> vertex;
   std::vector<std::uint32_t> face; // 3 a face, local to the surface, outward
 };

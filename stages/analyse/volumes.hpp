@@ -12,8 +12,9 @@ struct Size {
   double area = 0;   // um2 that lies in the box
 };
 
-// Per surface. A cell's images fill what its surface leaves out, so on periodic axes the whole of it counts; on open axes
-// only what lies between the faces. E_FORMAT naming the surface when it is inside out (negative volume).
+// Per surface. A cell's images fill what its surface leaves out, so on periodic axes the whole of it counts;
+// on open axes only what lies between the faces. E_FORMAT naming the surface when it is inside out (negative
+// volume).
 std::vector<Size> surface_sizes(const Meshes &meshes, const conceg_box &box, Workers &workers);
 
 } // namespace conceg::analyse

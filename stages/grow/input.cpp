@@ -138,8 +138,8 @@ void read_bars(conceg_doc *doc, Input &input) {
   bars.radius = column(doc, "/bars/radius", count), bars.taper = column(doc, "/bars/taper", count);
   bars.radius_floor = column(doc, "/bars/radius_floor", count);
   for (std::size_t i = 0; i < count; i++) {
-    if (!(bars.asked_start[i] >= 0.0 && bars.asked_end[i] > bars.asked_start[i] && bars.asked_end[i] < 1e6))
-      fail(CONCEG_E_RANGE, "/bars/asked_end[%zu]: expected 0 <= start < end < 1 m, got %g and %g um", i, bars.asked_start[i], bars.asked_end[i]);
+    if (!(bars.asked_start[i] >= 0.0 && bars.asked_end[i] > bars.asked_start[i] && bars.asked_end[i] < 1e5))
+      fail(CONCEG_E_RANGE, "/bars/asked_end[%zu]: expected 0 <= start < end < 100 mm, got %g and %g um", i, bars.asked_start[i], bars.asked_end[i]);
     if (!(bars.radius[i] > 0.0 && bars.radius[i] < 100.0 && bars.radius_floor[i] > 0.0 && bars.radius_floor[i] < 100.0))
       fail(CONCEG_E_RANGE, "/bars/radius[%zu]: expected a radius and floor above 0 and below 100 um, got %g and %g", i, bars.radius[i], bars.radius_floor[i]);
   }

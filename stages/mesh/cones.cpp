@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kWidest = double(1 << 19); // voxels from the box, so that vertex keys hold 20 bits per axis
 
+constexpr double kSnapLoss = 0.007;      // measured on tubes and balls
+
 Grid make_grid(const conceg_box &box, const SceneOptions &options) {
   Grid grid;
   for (int axis = 0; axis < 3; axis++) {
@@ -73,7 +75,7 @@ private:
     const glm::dvec3 &end = tissue_.point[first + point];
     const double radius = tissue_.radius[first + point];
     const std::uint8_t kind = tissue_.kind[first + point];
-    if (radius < kThinnestTube * scene_.grid.unit) scene_.thin_points[cell_]++;
+    if (grown_radius(radius, kind) < kThinnestTube * scene_.grid.unit) scene_.thin_points[cell_]++;
     const std::int64_t parent = tissue_.parent[first + point];
     if (parent >= 0) {
       add_cone(tissue_.point[first + parent], tissue_.radius[first + parent], end, radius, kind);
@@ -95,7 +97,7 @@ private:
   void add_cone(const glm::dvec3 &a, double ra, const glm::dvec3 &b, double rb, std::uint8_t kind) {
     Cone cone = {};
     cone.a = fixed(a), cone.b = fixed(b);
-    cone.ra = fixed_radius(ra), cone.rb = fixed_radius(rb);
+    cone.ra = fixed_radius(ra, kind), cone.rb = fixed_radius(rb, kind);
     cone.cell = static_cast<std::uint32_t>(cell_);
     cone.section = static_cast<std::uint32_t>(scene_.section.size() - 1);
     cone.kind = kind;
@@ -114,8 +116,21 @@ private:
     return out;
   }
 
-  std::int32_t fixed_radius(double radius) const {
-    const double grown = radius + std::min(options_.inflate, 0.25 * radius);
+  // Straight faces between nodes lie inside a surface with curvatures k1 and k2 by (k1 + k2) h^2 / 12 in the mean, and the snap
+  // of node values takes kSnapLoss steps; primitives for meshing are that much larger, so that volumes come out right.
+  double mesh_loss(double radius, std::uint8_t kind) const {
+    if (options_.centred) return 0; // voxels are points: no faces, no loss
+    const double h = scene_.grid.unit, curvature = (kind == kSomaKind ? 2 : 1) / radius;
+    return std::min(0.25 * radius, curvature * h * h / 12 + kSnapLoss * h);
+  }
+
+  double grown_radius(double radius, std::uint8_t kind) const {
+    const double inflated = radius + std::min(options_.inflate, 0.25 * radius);
+    return inflated + mesh_loss(inflated, kind);
+  }
+
+  std::int32_t fixed_radius(double radius, std::uint8_t kind) const {
+    const double grown = grown_radius(radius, kind);
     if (!(grown < 2048 * scene_.grid.unit))
       fail(CONCEG_E_RANGE, "cell %zu: expected radii below 2048 voxels, got %g um; use a larger h_um", cell_, radius);
     return std::max(1, static_cast<int>(std::floor(grown / scene_.grid.unit * kFixed + 0.5)));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The skeletons of all cells as bodies: nodes that move, and round cones (elements) between them. Lengths in um.
+// The skeletons of all cells as bodies: nodes that move, and round cones (elements) between them. Lengths in
+// um.
 #pragma once
 
 #include "wrap.hpp"
@@ -33,32 +34,34 @@ struct Chunk {
 };
 
 struct Bodies {
-  std::size_t points = 0; // nodes: the points, the soma centres, the inner ends of the root stubs
-  std::vector<glm::dvec3> position;    // per node
-  std::vector<double> radius;          // per node that owns a radius: points, then somas
-  std::vector<double> floor;           // the least radius of each
-  std::vector<std::uint8_t> pinned;    // per node
-  std::vector<std::int64_t> parent;    // per point, global; -1 = root
+  std::size_t points = 0;           // nodes: the points, the soma centres, the inner ends of the root stubs
+  std::vector<glm::dvec3> position; // per node
+  std::vector<double> radius;       // per node that owns a radius: points, then somas
+  std::vector<double> floor;        // the least radius of each
+  std::vector<std::uint8_t> pinned; // per node
+  std::vector<std::int64_t> parent; // per point, global; -1 = root
   std::vector<std::uint32_t> child_offset, child; // CSR of the children of each point
-  std::vector<double> path;            // per point, path length from its root at the start
-  std::vector<double> rest_length;     // per point, of the segment that ends there; 0 for a root
-  std::vector<glm::dvec3> rest_bend;   // per point, offset from the middle of its neighbours at the start
+  std::vector<double> path;                       // per point, path length from its root at the start
+  std::vector<double> rest_length;                // per point, of the segment that ends there; 0 for a root
+  std::vector<glm::dvec3> rest_bend; // per point, offset from the middle of its neighbours at the start
   std::vector<Element> elements;
   std::vector<Chunk> chunks;
-  std::vector<double> reach_radius;    // per radius: the largest that it may get, for bounds and near-in-tree tests
+  std::vector<double>
+      reach_radius; // per radius: the largest that it may get, for bounds and near-in-tree tests
 };
 
 constexpr std::uint32_t chunk_size = 8;
 
-// Checks the skeletons and builds the bodies with their target radii. `radius_min` is the least radius asked for;
-// a point whose target is thinner has its target as its floor. E_RANGE / E_FORMAT with dataset[index] on bad input.
+// Checks the skeletons and builds the bodies with their target radii. `radius_min` is the least radius asked
+// for; a point whose target is thinner has its target as its floor. E_RANGE / E_FORMAT with dataset[index] on
+// bad input.
 Bodies make_bodies(const Skeletons &skeletons, double radius_min);
 
 // Offset of point i from the middle of its neighbours (parent and children); 0 where it has fewer than two.
 glm::dvec3 bend_of(const Bodies &bodies, std::size_t point);
 
-// True when two elements of one copy of one cell are neighbours in the tree: joined, within a few radii of path, siblings
-// near their fork, or a root near its own soma. Such pairs are one body and never collide.
+// True when two elements of one copy of one cell are neighbours in the tree: joined, within a few radii of
+// path, siblings near their fork, or a root near its own soma. Such pairs are one body and never collide.
 bool near_in_tree(const Bodies &bodies, std::uint32_t e, std::uint32_t f);
 
 } // namespace conceg::relax

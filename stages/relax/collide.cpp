@@ -19,6 +19,8 @@ namespace conceg::relax {
 
 namespace {
 
+constexpr double most_images = 1e4; // of one chunk around the box; more mean a broken coordinate or radius
+
 struct Bounds {
   glm::dvec3 lo, hi;
 };
@@ -34,8 +36,12 @@ struct Candidate {
   std::uint32_t first, second; // indices of placed chunks
 };
 
-bool operator<(const Candidate &x, const Candidate &y) { return std::tie(x.first, x.second) < std::tie(y.first, y.second); }
-bool operator==(const Candidate &x, const Candidate &y) { return x.first == y.first && x.second == y.second; }
+bool operator<(const Candidate &x, const Candidate &y) {
+  return std::tie(x.first, x.second) < std::tie(y.first, y.second);
+}
+bool operator==(const Candidate &x, const Candidate &y) {
+  return x.first == y.first && x.second == y.second;
+}
 
 bool positive(const std::int32_t lift[3]) {
   for (int a = 0; a < 3; a++)
@@ -44,11 +50,13 @@ bool positive(const std::int32_t lift[3]) {
 }
 
 bool pair_before(const Pair &x, const Pair &y) {
-  return std::tie(x.e, x.f, x.lift[0], x.lift[1], x.lift[2]) < std::tie(y.e, y.f, y.lift[0], y.lift[1], y.lift[2]);
+  return std::tie(x.e, x.f, x.lift[0], x.lift[1], x.lift[2]) <
+         std::tie(y.e, y.f, y.lift[0], y.lift[1], y.lift[2]);
 }
 
 Bounds bounds_of(const Bodies &bodies, const std::vector<double> &radius, const Chunk &chunk, double margin) {
-  Bounds out = {glm::dvec3(std::numeric_limits<double>::max()), glm::dvec3(std::numeric_limits<double>::lowest())};
+  Bounds out = {glm::dvec3(std::numeric_limits<double>::max()),
+                glm::dvec3(std::numeric_limits<double>::lowest())};
   for (std::uint32_t e = chunk.first; e < chunk.first + chunk.count; e++) {
     const RoundCone cone = cone_of(bodies, e, radius);
     const double thick = std::max(cone.radius_a, cone.radius_b);
@@ -59,8 +67,8 @@ Bounds bounds_of(const Bodies &bodies, const std::vector<double> &radius, const 
   return out;
 }
 
-std::vector<Placed> place_chunks(const Bodies &bodies, const std::vector<double> &radius, const conceg_box &box, double margin,
-                                 Workers &workers) {
+std::vector<Placed> place_chunks(const Bodies &bodies, const std::vector<double> &radius,
+                                 const conceg_box &box, double margin, Workers &workers) {
   std::vector<Placed> placed(bodies.chunks.size());
   const glm::dvec3 sides = side(box);
   workers.loop(placed.size(), 256, [&](std::size_t i, unsigned) {
@@ -68,7 +76,8 @@ std::vector<Placed> place_chunks(const Bodies &bodies, const std::vector<double>
     out.chunk = static_cast<std::uint32_t>(i);
     out.bounds = bounds_of(bodies, radius, bodies.chunks[i], margin);
     const glm::ivec3 number = lift(box, 0.5 * (out.bounds.lo + out.bounds.hi));
-    for (int a = 0; a < 3; a++) out.lift[a] = -number[a];
+    for (int a = 0; a < 3; a++)
+      out.lift[a] = -number[a];
     out.bounds.lo -= sides * glm::dvec3(number), out.bounds.hi -= sides * glm::dvec3(number);
   });
   return placed;
@@ -76,22 +85,34 @@ std::vector<Placed> place_chunks(const Bodies &bodies, const std::vector<double>
 
 // Images of chunks that can meet a chunk in the box.
 std::vector<Placed> place_ghosts(const std::vector<Placed> &core, const conceg_box &box) {
-  Bounds all = {glm::dvec3(std::numeric_limits<double>::max()), glm::dvec3(std::numeric_limits<double>::lowest())};
-  for (const Placed &p : core) all.lo = glm::min(all.lo, p.bounds.lo), all.hi = glm::max(all.hi, p.bounds.hi);
+  Bounds all = {glm::dvec3(std::numeric_limits<double>::max()),
+                glm::dvec3(std::numeric_limits<double>::lowest())};
+  for (const Placed &p : core)
+    all.lo = glm::min(all.lo, p.bounds.lo), all.hi = glm::max(all.hi, p.bounds.hi);
   const glm::dvec3 sides = side(box);
   std::vector<Placed> ghosts;
   for (const Placed &p : core) {
-    int first[3], last[3];
+    double first[3] = {0, 0, 0}, last[3] = {0, 0, 0}, count = 1;
     for (int a = 0; a < 3; a++) {
-      first[a] = box.periodic[a] ? static_cast<int>(std::ceil((all.lo[a] - p.bounds.hi[a]) / sides[a])) : 0;
-      last[a] = box.periodic[a] ? static_cast<int>(std::floor((all.hi[a] - p.bounds.lo[a]) / sides[a])) : 0;
+      if (!box.periodic[a]) continue;
+      first[a] = std::ceil((all.lo[a] - p.bounds.hi[a]) / sides[a]);
+      last[a] = std::floor((all.hi[a] - p.bounds.lo[a]) / sides[a]);
+      count *= last[a] - first[a] + 1;
     }
-    for (int x = first[0]; x <= last[0]; x++)
-      for (int y = first[1]; y <= last[1]; y++)
-        for (int z = first[2]; z <= last[2]; z++) {
+    if (!(count <= most_images))
+      fail(
+          CONCEG_E_RANGE,
+          "/skeleton: a piece of a cell meets %g images of another one: expected segments and somas of about "
+          "the size of the box, or smaller",
+          count);
+    for (int x = static_cast<int>(first[0]); x <= static_cast<int>(last[0]); x++)
+      for (int y = static_cast<int>(first[1]); y <= static_cast<int>(last[1]); y++)
+        for (int z = static_cast<int>(first[2]); z <= static_cast<int>(last[2]); z++) {
           if (x == 0 && y == 0 && z == 0) continue;
           const glm::dvec3 shift = sides * glm::dvec3(x, y, z);
-          Placed ghost = {p.chunk, {p.lift[0] + x, p.lift[1] + y, p.lift[2] + z}, {p.bounds.lo + shift, p.bounds.hi + shift}};
+          Placed ghost = {p.chunk,
+                          {p.lift[0] + x, p.lift[1] + y, p.lift[2] + z},
+                          {p.bounds.lo + shift, p.bounds.hi + shift}};
           ghosts.push_back(ghost);
         }
   }
@@ -104,8 +125,12 @@ struct Primitives {
   glm::dvec3 origin;
 };
 
-float round_down(double x) { return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity()); }
-float round_up(double x) { return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity()); }
+float round_down(double x) {
+  return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity());
+}
+float round_up(double x) {
+  return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
+}
 
 void give_bounds(const RTCBoundsFunctionArguments *arguments) {
   const auto *primitives = static_cast<const Primitives *>(arguments->geometryUserPtr);
@@ -118,7 +143,8 @@ void give_bounds(const RTCBoundsFunctionArguments *arguments) {
 
 void check_device(RTCDevice device, const char *what) {
   const RTCError error = rtcGetDeviceError(device);
-  if (error != RTC_ERROR_NONE) fail(CONCEG_E_STAGE, "Embree: %s failed with error %d", what, static_cast<int>(error));
+  if (error != RTC_ERROR_NONE)
+    fail(CONCEG_E_STAGE, "Embree: %s failed with error %d", what, static_cast<int>(error));
 }
 
 class Scene {
@@ -154,12 +180,14 @@ using Buffers = tbb::enumerable_thread_specific<std::vector<Candidate>>;
 // Called from Embree's threads in no fixed order; candidates are sorted afterwards.
 void keep_candidates(void *user, RTCCollision *collisions, unsigned count) {
   std::vector<Candidate> &mine = static_cast<Buffers *>(user)->local();
-  for (unsigned i = 0; i < count; i++) mine.push_back({collisions[i].primID0, collisions[i].primID1});
+  for (unsigned i = 0; i < count; i++)
+    mine.push_back({collisions[i].primID0, collisions[i].primID1});
 }
 
 // Candidates of two scenes, sorted, each unordered pair of placed chunks once.
 template <class Keep>
-std::vector<Candidate> collide_scenes(RTCDevice device, const Scene &first, const Scene &second, tbb::task_arena &arena, Keep keep) {
+std::vector<Candidate> collide_scenes(RTCDevice device, const Scene &first, const Scene &second,
+                                      tbb::task_arena &arena, Keep keep) {
   Buffers buffers;
   arena.execute([&] { rtcCollide(first.get(), second.get(), keep_candidates, &buffers); });
   check_device(device, "rtcCollide");
@@ -187,12 +215,14 @@ std::vector<Ball> balls_of(const Bodies &bodies, const std::vector<double> &radi
   std::vector<Ball> balls(bodies.elements.size());
   workers.loop(balls.size(), 2048, [&](std::size_t e, unsigned) {
     const RoundCone cone = cone_of(bodies, static_cast<std::uint32_t>(e), radius);
-    balls[e] = {0.5 * (cone.a + cone.b), 0.5 * glm::distance(cone.a, cone.b) + std::max(cone.radius_a, cone.radius_b) + 1e-6};
+    balls[e] = {0.5 * (cone.a + cone.b),
+                0.5 * glm::distance(cone.a, cone.b) + std::max(cone.radius_a, cone.radius_b) + 1e-6};
   });
   return balls;
 }
 
-bool is_close(const Bodies &bodies, const std::vector<double> &radius, const glm::dvec3 &sides, const Pair &pair, double reach) {
+bool is_close(const Bodies &bodies, const std::vector<double> &radius, const glm::dvec3 &sides,
+              const Pair &pair, double reach) {
   RoundCone first, second;
   cones_of(bodies, pair, radius, sides, first, second);
   const double thick = std::max(first.radius_a, first.radius_b) + std::max(second.radius_a, second.radius_b);
@@ -203,8 +233,9 @@ bool is_close(const Bodies &bodies, const std::vector<double> &radius, const glm
 }
 
 // The pairs of elements of two chunks, the second lifted by `up`.
-void narrow(const Bodies &bodies, const std::vector<double> &radius, const std::vector<Ball> &balls, const glm::dvec3 &sides,
-            double reach, const Chunk &first, const Chunk &second, const std::int32_t up[3], std::vector<Pair> &out) {
+void narrow(const Bodies &bodies, const std::vector<double> &radius, const std::vector<Ball> &balls,
+            const glm::dvec3 &sides, double reach, const Chunk &first, const Chunk &second,
+            const std::int32_t up[3], std::vector<Pair> &out) {
   const bool lifted = up[0] || up[1] || up[2];
   const glm::dvec3 shift = sides * glm::dvec3(up[0], up[1], up[2]);
   for (std::uint32_t e = first.first; e < first.first + first.count; e++)
@@ -218,24 +249,30 @@ void narrow(const Bodies &bodies, const std::vector<double> &radius, const std::
     }
 }
 
-// A pair of chunks for the narrow test, the second one lifted by `up`; i == j without a lift is a chunk with itself.
+// A pair of chunks for the narrow test, the second one lifted by `up`; i == j without a lift is a chunk with
+// itself.
 struct ChunkPair {
   std::uint32_t i, j;
   std::int32_t up[3];
 };
 
 std::vector<ChunkPair> chunk_pairs_of(const std::vector<Placed> &core, const std::vector<Placed> &ghosts,
-                                      const std::vector<Candidate> &inside, const std::vector<Candidate> &across) {
+                                      const std::vector<Candidate> &inside,
+                                      const std::vector<Candidate> &across) {
   std::vector<ChunkPair> out;
   out.reserve(inside.size() + across.size() + core.size());
   const auto add = [&](const Placed &first, const Placed &second) {
     ChunkPair pair = {first.chunk, second.chunk, {0, 0, 0}};
-    for (int a = 0; a < 3; a++) pair.up[a] = second.lift[a] - first.lift[a];
+    for (int a = 0; a < 3; a++)
+      pair.up[a] = second.lift[a] - first.lift[a];
     if (pair.i != pair.j || positive(pair.up)) out.push_back(pair);
   };
-  for (const Candidate &c : inside) add(core[c.first], core[c.second]);
-  for (const Candidate &c : across) add(core[c.first], ghosts[c.second]);
-  for (std::uint32_t i = 0; i < core.size(); i++) out.push_back({i, i, {0, 0, 0}});
+  for (const Candidate &c : inside)
+    add(core[c.first], core[c.second]);
+  for (const Candidate &c : across)
+    add(core[c.first], ghosts[c.second]);
+  for (std::uint32_t i = 0; i < core.size(); i++)
+    out.push_back({i, i, {0, 0, 0}});
   return out;
 }
 
@@ -243,7 +280,8 @@ std::vector<ChunkPair> chunk_pairs_of(const std::vector<Placed> &core, const std
 std::vector<std::uint32_t> parent_chunks(const Bodies &bodies) {
   std::vector<std::uint32_t> holder(bodies.elements.size()), out(bodies.chunks.size());
   for (std::uint32_t c = 0; c < bodies.chunks.size(); c++)
-    for (std::uint32_t e = 0; e < bodies.chunks[c].count; e++) holder[bodies.chunks[c].first + e] = c;
+    for (std::uint32_t e = 0; e < bodies.chunks[c].count; e++)
+      holder[bodies.chunks[c].first + e] = c;
   for (std::uint32_t c = 0; c < bodies.chunks.size(); c++) {
     const std::uint32_t first = bodies.chunks[c].first;
     const bool has_parent = first < bodies.points && bodies.parent[first] >= 0;
@@ -253,14 +291,19 @@ std::vector<std::uint32_t> parent_chunks(const Bodies &bodies) {
   return out;
 }
 
-// Chunks that share a point must have been found; this shows at every run that the search works, faces included.
+// Chunks that share a point must have been found; this shows at every run that the search works, faces
+// included.
 void check_joined(const Bodies &bodies, const std::vector<ChunkPair> &pairs, Search &search) {
   const std::vector<std::uint32_t> parent = parent_chunks(bodies);
-  for (const std::uint32_t p : parent) search.joined += p < bodies.chunks.size();
-  for (const ChunkPair &p : pairs) search.joined_found += p.i < p.j && !p.up[0] && !p.up[1] && !p.up[2] && parent[p.j] == p.i;
+  for (const std::uint32_t p : parent)
+    search.joined += p < bodies.chunks.size();
+  for (const ChunkPair &p : pairs)
+    search.joined_found += p.i < p.j && !p.up[0] && !p.up[1] && !p.up[2] && parent[p.j] == p.i;
   if (search.joined_found != search.joined)
-    fail(CONCEG_E_STAGE, "collision search: expected %llu pairs of joined chunks among the candidates, got %llu",
-         static_cast<unsigned long long>(search.joined), static_cast<unsigned long long>(search.joined_found));
+    fail(CONCEG_E_STAGE,
+         "collision search: expected %llu pairs of joined chunks among the candidates, got %llu",
+         static_cast<unsigned long long>(search.joined),
+         static_cast<unsigned long long>(search.joined_found));
 }
 
 } // namespace
@@ -274,19 +317,21 @@ struct Collider::Device {
 Collider::Collider(unsigned threads) : device_(std::make_unique<Device>(threads)) {
   device_->handle = rtcNewDevice(nullptr);
   if (!device_->handle)
-    fail(CONCEG_E_STAGE, "Embree: rtcNewDevice failed with error %d", static_cast<int>(rtcGetDeviceError(nullptr)));
+    fail(CONCEG_E_STAGE, "Embree: rtcNewDevice failed with error %d",
+         static_cast<int>(rtcGetDeviceError(nullptr)));
 }
 
 Collider::~Collider() {
   if (device_->handle) rtcReleaseDevice(device_->handle);
 }
 
-Search Collider::find(const Bodies &bodies, const std::vector<double> &radius, const conceg_box &box, double reach,
-                      Workers &workers) {
+Search Collider::find(const Bodies &bodies, const std::vector<double> &radius, const conceg_box &box,
+                      double reach, Workers &workers) {
   Search search;
   if (bodies.chunks.empty()) return search;
   // Half of the reach on each side, and a little more than the rounding of lifted coordinates.
-  const std::vector<Placed> core = place_chunks(bodies, radius, box, std::max(0.0, 0.5 * reach) + 1e-6, workers);
+  const std::vector<Placed> core =
+      place_chunks(bodies, radius, box, std::max(0.0, 0.5 * reach) + 1e-6, workers);
   const std::vector<Placed> ghosts = place_ghosts(core, box);
   const glm::dvec3 origin(box.lo[0], box.lo[1], box.lo[2]);
   const Primitives core_primitives = {&core, origin}, ghost_primitives = {&ghosts, origin};
@@ -316,9 +361,11 @@ Search Collider::find(const Bodies &bodies, const std::vector<double> &radius, c
   std::vector<std::vector<Pair>> found(blocks);
   workers.loop(blocks, 1, [&](std::size_t b, unsigned) {
     for (std::size_t k = b * block; k < std::min(jobs.size(), (b + 1) * block); k++)
-      narrow(bodies, radius, balls, sides, reach, bodies.chunks[jobs[k].i], bodies.chunks[jobs[k].j], jobs[k].up, found[b]);
+      narrow(bodies, radius, balls, sides, reach, bodies.chunks[jobs[k].i], bodies.chunks[jobs[k].j],
+             jobs[k].up, found[b]);
   });
-  for (const std::vector<Pair> &list : found) search.pairs.insert(search.pairs.end(), list.begin(), list.end());
+  for (const std::vector<Pair> &list : found)
+    search.pairs.insert(search.pairs.end(), list.begin(), list.end());
   std::sort(search.pairs.begin(), search.pairs.end(), pair_before);
   return search;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which elements come close: Embree's rtcCollide over chunks of elements finds candidates, double arithmetic decides.
+// Which elements come close: Embree's rtcCollide over chunks of elements finds candidates, double arithmetic
+// decides.
 #pragma once
 
 #include "chains.hpp"
@@ -14,14 +15,16 @@
 
 namespace conceg::relax {
 
-// Element e and the image of element f that is lifted by `lift` box sides; e < f, or e == f and lift > 0 (its first
-// component that is not 0).
+// Element e and the image of element f that is lifted by `lift` box sides; e < f, or e == f and lift > 0 (its
+// first component that is not 0).
 struct Pair {
   std::uint32_t e, f;
   std::int32_t lift[3];
 };
 
-inline bool same_copy(const Pair &p) { return p.lift[0] == 0 && p.lift[1] == 0 && p.lift[2] == 0; }
+inline bool same_copy(const Pair &p) {
+  return p.lift[0] == 0 && p.lift[1] == 0 && p.lift[2] == 0;
+}
 
 inline RoundCone cone_of(const Bodies &bodies, std::uint32_t e, const std::vector<double> &radius) {
   const Element &x = bodies.elements[e];
@@ -29,8 +32,8 @@ inline RoundCone cone_of(const Bodies &bodies, std::uint32_t e, const std::vecto
 }
 
 // The two round cones of a pair, the second one lifted.
-inline void cones_of(const Bodies &bodies, const Pair &pair, const std::vector<double> &radius, const glm::dvec3 &side,
-                     RoundCone &first, RoundCone &second) {
+inline void cones_of(const Bodies &bodies, const Pair &pair, const std::vector<double> &radius,
+                     const glm::dvec3 &side, RoundCone &first, RoundCone &second) {
   first = cone_of(bodies, pair.e, radius);
   second = cone_of(bodies, pair.f, radius);
   const glm::dvec3 shift = side * glm::dvec3(pair.lift[0], pair.lift[1], pair.lift[2]);
@@ -38,10 +41,10 @@ inline void cones_of(const Bodies &bodies, const Pair &pair, const std::vector<d
 }
 
 struct Search {
-  std::vector<Pair> pairs;         // sorted by (e, f, lift)
-  std::uint64_t chunk_pairs = 0;   // candidates that Embree gave
-  std::uint64_t joined = 0;        // chunk pairs that share a point: each of them must be among the candidates
-  std::uint64_t joined_found = 0;  // ... and so many were
+  std::vector<Pair> pairs;        // sorted by (e, f, lift)
+  std::uint64_t chunk_pairs = 0;  // candidates that Embree gave
+  std::uint64_t joined = 0;       // chunk pairs that share a point: each of them must be among the candidates
+  std::uint64_t joined_found = 0; // ... and so many were
 };
 
 class Collider {
@@ -52,10 +55,11 @@ public:
   Collider(const Collider &) = delete;
   Collider &operator=(const Collider &) = delete;
 
-  // All pairs of elements, over all periodic images, whose gap can be below `reach`: the distance of the axes less the
-  // larger radius of each is. Neighbours in the tree are left out. E_STAGE when Embree reports an error or when the
-  // search missed a pair of chunks that touch by construction.
-  Search find(const Bodies &bodies, const std::vector<double> &radius, const conceg_box &box, double reach, Workers &workers);
+  // All pairs of elements, over all periodic images, whose gap can be below `reach`: the distance of the axes
+  // less the larger radius of each is. Neighbours in the tree are left out. E_STAGE when Embree reports an
+  // error or when the search missed a pair of chunks that touch by construction.
+  Search find(const Bodies &bodies, const std::vector<double> &radius, const conceg_box &box, double reach,
+              Workers &workers);
 
 private:
   struct Device;

@@ -10,14 +10,16 @@ namespace conceg::relax {
 
 namespace {
 
-double clamp01(double x) { return x < 0 ? 0 : x > 1 ? 1 : x; }
+double clamp01(double x) {
+  return x < 0 ? 0 : x > 1 ? 1 : x;
+}
 
 // The parameter t of the cone at which |p - q(t)| - r(t) is smallest.
 double nearest_on_cone(const glm::dvec3 &p, const RoundCone &cone) {
   const glm::dvec3 axis = cone.b - cone.a, from = p - cone.a;
   const double length2 = glm::dot(axis, axis), slope = cone.radius_b - cone.radius_a;
   if (length2 <= slope * slope) return slope > 0 ? 1 : 0; // one end ball holds the other
-  const double along = glm::dot(from, axis); // X l
+  const double along = glm::dot(from, axis);              // X l
   const double across2 = std::max(0.0, glm::dot(from, from) - along * along / length2);
   // t = (X + Y s / sqrt(1 - s^2)) / l with s = slope / l
   return clamp01((along + slope * std::sqrt(across2 * length2 / (length2 - slope * slope))) / length2);
@@ -42,15 +44,19 @@ double slope_at(const RoundCone &first, const RoundCone &second, double s) {
 
 Closest closest_axes(const RoundCone &first, const RoundCone &second) {
   const glm::dvec3 u = first.b - first.a, v = second.b - second.a, w = first.a - second.a;
-  const double uu = glm::dot(u, u), vv = glm::dot(v, v), uv = glm::dot(u, v), uw = glm::dot(u, w), vw = glm::dot(v, w);
+  const double uu = glm::dot(u, u), vv = glm::dot(v, v), uv = glm::dot(u, v), uw = glm::dot(u, w),
+               vw = glm::dot(v, w);
   double s = 0, t = 0;
   if (uu > 0 && vv > 0) {
     const double determinant = uu * vv - uv * uv;
     // For (nearly) parallel axes any s will do: take the one that faces the middle of the other axis.
-    s = determinant > 1e-9 * uu * vv ? clamp01((uv * vw - vv * uw) / determinant) : clamp01((0.5 * uv - uw) / uu);
+    s = determinant > 1e-9 * uu * vv ? clamp01((uv * vw - vv * uw) / determinant)
+                                     : clamp01((0.5 * uv - uw) / uu);
     t = (uv * s + vw) / vv;
-    if (t < 0) t = 0, s = clamp01(-uw / uu);
-    else if (t > 1) t = 1, s = clamp01((uv - uw) / uu);
+    if (t < 0)
+      t = 0, s = clamp01(-uw / uu);
+    else if (t > 1)
+      t = 1, s = clamp01((uv - uw) / uu);
   } else if (uu > 0) {
     s = clamp01(-uw / uu);
   } else if (vv > 0) {
@@ -62,12 +68,15 @@ Closest closest_axes(const RoundCone &first, const RoundCone &second) {
 Closest closest_cones(const RoundCone &first, const RoundCone &second) {
   double low = 0, high = 1, s;
   double slope_low = slope_at(first, second, 0), slope_high = slope_at(first, second, 1);
-  if (slope_low >= 0) s = 0;
-  else if (slope_high <= 0) s = 1;
+  if (slope_low >= 0)
+    s = 0;
+  else if (slope_high <= 0)
+    s = 1;
   else {
     // Illinois false position on the monotone slope, with halving when it stalls.
     for (int round = 0; round < 60 && high - low > 1e-10; round++) {
-      s = round % 3 == 2 ? 0.5 * (low + high) : (low * slope_high - high * slope_low) / (slope_high - slope_low);
+      s = round % 3 == 2 ? 0.5 * (low + high)
+                         : (low * slope_high - high * slope_low) / (slope_high - slope_low);
       if (!(s > low && s < high)) s = 0.5 * (low + high);
       const double slope = slope_at(first, second, s);
       if (slope == 0) {

@@ -25,32 +25,37 @@ double largest_shift(const Bodies &bodies, const std::vector<glm::dvec3> &then, 
 double cable(const Bodies &bodies) {
   double sum = 0;
   for (std::size_t i = 0; i < bodies.points; i++)
-    if (bodies.parent[i] >= 0) sum += glm::distance(bodies.position[i], bodies.position[static_cast<std::size_t>(bodies.parent[i])]);
+    if (bodies.parent[i] >= 0)
+      sum += glm::distance(bodies.position[i], bodies.position[static_cast<std::size_t>(bodies.parent[i])]);
   return sum;
 }
 
 // Keeps a coordinate in the box on open axes, unless it was outside from the start.
 void keep_inside(const conceg_box &box, const glm::dvec3 &start, glm::dvec3 &p) {
   for (int a = 0; a < 3; a++)
-    if (!box.periodic[a]) p[a] = std::min(std::max(p[a], std::min(box.lo[a], start[a])), std::max(box.hi[a], start[a]));
+    if (!box.periodic[a])
+      p[a] = std::min(std::max(p[a], std::min(box.lo[a], start[a])), std::max(box.hi[a], start[a]));
 }
 
 } // namespace
 
-Moved move_bodies(Bodies &bodies, const conceg_box &box, const Strength &strength, const Motion &motion, Collider &collider,
-                  Workers &workers, const Progress &progress) {
+Moved move_bodies(Bodies &bodies, const conceg_box &box, const Strength &strength, const Motion &motion,
+                  Collider &collider, Workers &workers, const Progress &progress) {
   Moved moved;
-  const std::vector<glm::dvec3> start(bodies.position.begin(), bodies.position.begin() + static_cast<std::ptrdiff_t>(bodies.points));
+  const std::vector<glm::dvec3> start(bodies.position.begin(),
+                                      bodies.position.begin() + static_cast<std::ptrdiff_t>(bodies.points));
   std::vector<glm::dvec3> listed = start, velocity(bodies.points, glm::dvec3(0)), force(bodies.points);
   const glm::dvec3 sides = side(box);
   PairForces pair_forces;
   moved.length_before = cable(bodies);
   for (int iteration = 0; iteration < motion.iterations; iteration++) {
-    report(progress, "relax", static_cast<std::uint64_t>(iteration), static_cast<std::uint64_t>(motion.iterations));
+    report(progress, "relax", static_cast<std::uint64_t>(iteration),
+           static_cast<std::uint64_t>(motion.iterations));
     if (iteration == 0 || largest_shift(bodies, listed, workers) > 0.5 * motion.skin) {
       const double reach = strength.gap + strength.attraction_range + motion.skin;
       pair_forces.set_pairs(bodies, collider.find(bodies, bodies.radius, box, reach, workers).pairs);
-      listed.assign(bodies.position.begin(), bodies.position.begin() + static_cast<std::ptrdiff_t>(bodies.points));
+      listed.assign(bodies.position.begin(),
+                    bodies.position.begin() + static_cast<std::ptrdiff_t>(bodies.points));
       moved.rebuilds++, moved.pairs = pair_forces.pairs().size();
     }
     std::fill(force.begin(), force.end(), glm::dvec3(0));
@@ -65,7 +70,8 @@ Moved move_bodies(Bodies &bodies, const conceg_box &box, const Strength &strengt
       keep_inside(box, start[i], bodies.position[i]);
     });
   }
-  for (std::size_t i = 0; i < bodies.points; i++) moved.mean_shift += glm::distance(bodies.position[i], start[i]);
+  for (std::size_t i = 0; i < bodies.points; i++)
+    moved.mean_shift += glm::distance(bodies.position[i], start[i]);
   if (bodies.points) moved.mean_shift /= static_cast<double>(bodies.points);
   moved.largest_shift = largest_shift(bodies, start, workers);
   moved.length_after = cable(bodies);

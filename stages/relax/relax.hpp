@@ -8,19 +8,20 @@ namespace conceg::relax {
 
 struct Motion {
   int iterations = 80;
-  double momentum = 0.8;  // of the heavy ball
-  double step = 0.05;     // um, largest move of a point in one iteration
-  double skin = 0.25;     // um, slack of the list of pairs
+  double momentum = 0.8; // of the heavy ball
+  double step = 0.05;    // um, largest move of a point in one iteration
+  double skin = 0.25;    // um, slack of the list of pairs
 };
 
 struct Moved {
-  std::uint64_t rebuilds = 0, pairs = 0; // lists built, pairs of the last one
-  double mean_shift = 0, largest_shift = 0; // um, between start and end
+  std::uint64_t rebuilds = 0, pairs = 0;      // lists built, pairs of the last one
+  double mean_shift = 0, largest_shift = 0;   // um, between start and end
   double length_before = 0, length_after = 0; // um of cable
 };
 
-// Moves bodies.position; radii stay. Pinned nodes stay where they are; on an open axis no point leaves the box.
-Moved move_bodies(Bodies &bodies, const conceg_box &box, const Strength &strength, const Motion &motion, Collider &collider,
-                  Workers &workers, const Progress &progress);
+// Moves bodies.position; radii stay. Pinned nodes stay where they are; on an open axis no point leaves the
+// box.
+Moved move_bodies(Bodies &bodies, const conceg_box &box, const Strength &strength, const Motion &motion,
+                  Collider &collider, Workers &workers, const Progress &progress);
 
 } // namespace conceg::relax

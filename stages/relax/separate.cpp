@@ -20,38 +20,45 @@ std::array<std::uint32_t, 4> radii_of(const Bodies &bodies, const Pair &pair) {
   return {e.radius_a, e.radius_b, f.radius_a, f.radius_b};
 }
 
-// Lists, for each radius, the places (4 k + j) of the pairs' radii; places of one pair and radius are all listed.
+// Lists, for each radius, the places (4 k + j) of the pairs' radii; places of one pair and radius are all
+// listed.
 struct Incidence {
   std::vector<std::uint64_t> offset, place;
   Incidence(const Bodies &bodies, const std::vector<Pair> &pairs) : offset(bodies.radius.size() + 1, 0) {
     for (const Pair &pair : pairs)
-      for (const std::uint32_t r : radii_of(bodies, pair)) offset[r + 1]++;
-    for (std::size_t r = 0; r < bodies.radius.size(); r++) offset[r + 1] += offset[r];
+      for (const std::uint32_t r : radii_of(bodies, pair))
+        offset[r + 1]++;
+    for (std::size_t r = 0; r < bodies.radius.size(); r++)
+      offset[r + 1] += offset[r];
     place.resize(offset.back());
     std::vector<std::uint64_t> next(offset.begin(), offset.end() - 1);
     for (std::size_t k = 0; k < pairs.size(); k++) {
       const std::array<std::uint32_t, 4> radii = radii_of(bodies, pairs[k]);
-      for (std::size_t j = 0; j < 4; j++) place[next[radii[j]]++] = 4 * k + j;
+      for (std::size_t j = 0; j < 4; j++)
+        place[next[radii[j]]++] = 4 * k + j;
     }
   }
 };
 
-// Cuts at both ends that lower the radius at parameter s by `cut`, with the smallest sum of squares; an end takes no more
-// than it has, and the other one the rest.
-void share_cut(double cut, double s, bool one_radius, double most_a, double most_b, double &at_a, double &at_b) {
+// Cuts at both ends that lower the radius at parameter s by `cut`, with the smallest sum of squares; an end
+// takes no more than it has, and the other one the rest.
+void share_cut(double cut, double s, bool one_radius, double most_a, double most_b, double &at_a,
+               double &at_b) {
   if (one_radius) {
     at_a = at_b = cut;
     return;
   }
   const double weight = (1 - s) * (1 - s) + s * s;
   at_a = cut * (1 - s) / weight, at_b = cut * s / weight;
-  if (at_a > most_a) at_a = most_a, at_b = s > 0 ? std::min(most_b, (cut - (1 - s) * at_a) / s) : 0;
-  else if (at_b > most_b) at_b = most_b, at_a = s < 1 ? std::min(most_a, (cut - s * at_b) / (1 - s)) : 0;
+  if (at_a > most_a)
+    at_a = most_a, at_b = s > 0 ? std::min(most_b, (cut - (1 - s) * at_a) / s) : 0;
+  else if (at_b > most_b)
+    at_b = most_b, at_a = s < 1 ? std::min(most_a, (cut - s * at_b) / (1 - s)) : 0;
 }
 
 // The cuts that one pair asks for; false when it already keeps the gap or has nothing left to give.
-bool ask(const Bodies &bodies, const Pair &pair, const glm::dvec3 &side, double gap, const std::vector<double> &radius,
-         std::array<double, 4> &asked) {
+bool ask(const Bodies &bodies, const Pair &pair, const glm::dvec3 &side, double gap,
+         const std::vector<double> &radius, std::array<double, 4> &asked) {
   asked = {0, 0, 0, 0};
   RoundCone first, second;
   cones_of(bodies, pair, radius, side, first, second);
@@ -70,9 +77,11 @@ bool ask(const Bodies &bodies, const Pair &pair, const glm::dvec3 &side, double 
   return true;
 }
 
-// Gives back radius where every pair of a point has room: each body takes at most half of the room of each of its pairs.
-void grow_back(const Bodies &bodies, const std::vector<Pair> &pairs, const Incidence &incidence, const glm::dvec3 &side,
-               double gap, const std::vector<double> &most, std::vector<double> &radius, Workers &workers) {
+// Gives back radius where every pair of a point has room: each body takes at most half of the room of each of
+// its pairs.
+void grow_back(const Bodies &bodies, const std::vector<Pair> &pairs, const Incidence &incidence,
+               const glm::dvec3 &side, double gap, const std::vector<double> &most,
+               std::vector<double> &radius, Workers &workers) {
   std::vector<double> room(pairs.size());
   for (int sweep = 0; sweep < grow_sweeps; sweep++) {
     workers.loop(pairs.size(), 512, [&](std::size_t k, unsigned) {
@@ -100,17 +109,20 @@ Cut cut_radii(const Bodies &bodies, const std::vector<Pair> &pairs, const glm::d
   std::vector<std::array<double, 4>> asked(pairs.size(), {0, 0, 0, 0});
   std::vector<std::uint8_t> asks(pairs.size(), 0);
   std::vector<std::uint32_t> open(pairs.size()), touched;
-  for (std::size_t k = 0; k < pairs.size(); k++) open[k] = static_cast<std::uint32_t>(k);
+  for (std::size_t k = 0; k < pairs.size(); k++)
+    open[k] = static_cast<std::uint32_t>(k);
   for (; !open.empty() && cut.sweeps < most_sweeps; cut.sweeps++) {
     report(progress, "relax: cut radii", cut.sweeps, most_sweeps);
     workers.loop(open.size(), 256, [&](std::size_t n, unsigned) {
       asks[open[n]] = ask(bodies, pairs[open[n]], side, gap, radius, asked[open[n]]);
     });
     // Radii only shrink, so a pair that keeps its gap keeps it for good.
-    open.erase(std::remove_if(open.begin(), open.end(), [&](std::uint32_t k) { return !asks[k]; }), open.end());
+    open.erase(std::remove_if(open.begin(), open.end(), [&](std::uint32_t k) { return !asks[k]; }),
+               open.end());
     touched.clear();
     for (const std::uint32_t k : open)
-      for (const std::uint32_t r : radii_of(bodies, pairs[k])) touched.push_back(r);
+      for (const std::uint32_t r : radii_of(bodies, pairs[k]))
+        touched.push_back(r);
     std::sort(touched.begin(), touched.end());
     touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
     workers.loop(touched.size(), 256, [&](std::size_t n, unsigned) {
@@ -123,7 +135,8 @@ Cut cut_radii(const Bodies &bodies, const std::vector<Pair> &pairs, const glm::d
   }
   grow_back(bodies, pairs, incidence, side, gap, most, radius, workers);
   double sum = 0;
-  for (std::size_t i = 0; i < bodies.points; i++) cut.constricted += radius[i] < constricted_share * most[i], sum += radius[i] / most[i];
+  for (std::size_t i = 0; i < bodies.points; i++)
+    cut.constricted += radius[i] < constricted_share * most[i], sum += radius[i] / most[i];
   if (bodies.points) cut.mean_share = sum / static_cast<double>(bodies.points);
   return cut;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The exact end of the optimisation: radii are cut until no two bodies overlap and a gap stays, and this is checked.
+// The exact end of the optimisation: radii are cut until no two bodies overlap and a gap stays, and this is
+// checked.
 #pragma once
 
 #include "collide.hpp"
@@ -10,14 +11,15 @@
 namespace conceg::relax {
 
 struct Cut {
-  std::uint64_t pairs = 0;        // pairs looked at
-  std::uint64_t sweeps = 0;       // until nothing changed
-  std::uint64_t constricted = 0;  // points left below 95 % of what they were
-  double mean_share = 1;          // of its old radius that a point has, mean over the points
+  std::uint64_t pairs = 0;       // pairs looked at
+  std::uint64_t sweeps = 0;      // until nothing changed
+  std::uint64_t constricted = 0; // points left below 95 % of what they were
+  double mean_share = 1;         // of its old radius that a point has, mean over the points
 };
 
-// Cuts `radius` (per radius, as in Bodies; somas stay) until every pair keeps `gap`, never below bodies.floor; then gives
-// back what is free. Points of a pair are cut in proportion to what they have above their floor.
+// Cuts `radius` (per radius, as in Bodies; somas stay) until every pair keeps `gap`, never below
+// bodies.floor; then gives back what is free. Points of a pair are cut in proportion to what they have above
+// their floor.
 Cut cut_radii(const Bodies &bodies, const std::vector<Pair> &pairs, const glm::dvec3 &side, double gap,
               std::vector<double> &radius, Workers &workers, const Progress &progress);
 
@@ -26,13 +28,13 @@ float not_above(double x);
 
 // What was found by looking at every pair.
 struct Certificate {
-  std::uint64_t pairs = 0;         // pairs looked at
-  std::uint64_t foreign = 0;       // ... of different cells
-  std::uint64_t images = 0;        // ... of a cell and its own periodic image
-  std::uint64_t overlapping = 0;   // pairs with a gap below 0, whatever their kind
-  std::uint64_t tight = 0;         // pairs with a gap of 0 or more but below the one asked for
-  double largest_overlap = 0;      // um
-  double smallest_gap = 0;         // um, over all pairs; negative when some overlap; infinity when there is no pair
+  std::uint64_t pairs = 0;       // pairs looked at
+  std::uint64_t foreign = 0;     // ... of different cells
+  std::uint64_t images = 0;      // ... of a cell and its own periodic image
+  std::uint64_t overlapping = 0; // pairs with a gap below 0, whatever their kind
+  std::uint64_t tight = 0;       // pairs with a gap of 0 or more but below the one asked for
+  double largest_overlap = 0;    // um
+  double smallest_gap = 0; // um, over all pairs; negative when some overlap; infinity when there is no pair
   std::uint32_t worst_e = 0, worst_f = 0; // the elements of the smallest gap
 };
 

@@ -34,10 +34,13 @@ Spheres resample(const Skeletons &skeletons, double spacing) {
       const double step = spacing * std::min<double>(skeletons.radius[parent], skeletons.radius[i]);
       const double pieces = std::max(1.0, std::ceil(glm::length(along) / step));
       if (!(pieces < most_pieces))
-        fail(CONCEG_E_RANGE, "/skeleton/radius[%zu]: a segment of %g um with radius %g um would need %g spheres; raise relax.radius_min_um",
+        fail(CONCEG_E_RANGE,
+             "/skeleton/radius[%zu]: a segment of %g um with radius %g um would need %g spheres; raise "
+             "relax.radius_min_um",
              i, glm::length(along), std::min<double>(skeletons.radius[parent], skeletons.radius[i]), pieces);
       for (double k = 1; k <= pieces; k++)
-        add(start + along * (k / pieces), k == pieces ? skeletons.radius[i] : static_cast<float>(radius + change * (k / pieces)), row);
+        add(start + along * (k / pieces),
+            k == pieces ? skeletons.radius[i] : static_cast<float>(radius + change * (k / pieces)), row);
     }
     out.cell_offset.push_back(out.center.size());
   }

@@ -35,19 +35,25 @@ Skeletons read_skeletons(conceg_doc *doc) {
 
 std::string percent(std::uint64_t part, std::uint64_t whole) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.2f %%", whole ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0);
+  std::snprintf(text, sizeof text, "%.2f %%",
+                whole ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0);
   return text;
 }
 
-unsigned long long count(std::uint64_t n) { return n; }
-
-void log_certificate(conceg_ctx *ctx, conceg_log_level level, const char *when, const Certificate &c) {
-  conceg_ctx_log(ctx, level, "%s: %llu pairs looked at (%llu of different cells, %llu of own images), %llu overlap, %llu are closer than the gap, largest overlap %.4f um, smallest gap %.4f um",
-                 when, count(c.pairs), count(c.foreign), count(c.images), count(c.overlapping), count(c.tight), c.largest_overlap,
-                 std::isfinite(c.smallest_gap) ? c.smallest_gap : 0.0);
+unsigned long long count(std::uint64_t n) {
+  return n;
 }
 
-void write_back(conceg_doc *doc, const Skeletons &s, const std::vector<std::uint8_t> &status, const Spheres &spheres) {
+void log_certificate(conceg_ctx *ctx, conceg_log_level level, const char *when, const Certificate &c) {
+  conceg_ctx_log(ctx, level,
+                 "%s: %llu pairs looked at (%llu of different cells, %llu of own images), %llu overlap, %llu "
+                 "are closer than the gap, largest overlap %.4f um, smallest gap %.4f um",
+                 when, count(c.pairs), count(c.foreign), count(c.images), count(c.overlapping),
+                 count(c.tight), c.largest_overlap, std::isfinite(c.smallest_gap) ? c.smallest_gap : 0.0);
+}
+
+void write_back(conceg_doc *doc, const Skeletons &s, const std::vector<std::uint8_t> &status,
+                const Spheres &spheres) {
   put3(doc, "/skeleton/position", s.position);
   put(doc, "/skeleton/radius", s.radius);
   put(doc, "/skeleton/status", status);
@@ -80,16 +86,20 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
 
   Bodies bodies = make_bodies(skeletons, conceg_params_f64(params, "radius_min_um"));
   const std::vector<double> target = bodies.radius;
-  const auto close_pairs = [&](const std::vector<double> &radius) { return collider.find(bodies, radius, box, strength.gap, workers).pairs; };
+  const auto close_pairs = [&](const std::vector<double> &radius) {
+    return collider.find(bodies, radius, box, strength.gap, workers).pairs;
+  };
 
   const std::vector<Pair> at_start = close_pairs(target);
-  log_certificate(ctx, CONCEG_LOG_INFO, "before, at target radii", certify(bodies, at_start, sides, strength.gap, target, workers));
+  log_certificate(ctx, CONCEG_LOG_INFO, "before, at target radii",
+                  certify(bodies, at_start, sides, strength.gap, target, workers));
   std::vector<double> unmoved = target;
   const Cut without = cut_radii(bodies, at_start, sides, strength.gap, unmoved, workers, progress);
 
   const Moved moved = move_bodies(bodies, box, strength, motion, collider, workers, progress);
   const std::vector<Pair> at_end = close_pairs(target);
-  log_certificate(ctx, CONCEG_LOG_INFO, "moved, at target radii", certify(bodies, at_end, sides, strength.gap, target, workers));
+  log_certificate(ctx, CONCEG_LOG_INFO, "moved, at target radii",
+                  certify(bodies, at_end, sides, strength.gap, target, workers));
   std::vector<double> radius = target;
   const Cut cut = cut_radii(bodies, at_end, sides, strength.gap, radius, workers, progress);
 
@@ -104,14 +114,22 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
   const Certificate final = certify(bodies, close_pairs(radius), sides, strength.gap, radius, workers);
   log_certificate(ctx, CONCEG_LOG_INFO, "written", final);
   if (final.overlapping)
-    conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
-                   "relax: %llu pairs still overlap at the least radius, by at most %.4f um (skeleton rows %u and %u); the mesh cuts them at their contact plane. Raise relax.iterations or lower relax.radius_min_um",
-                   count(final.overlapping), final.largest_overlap, final.worst_e, final.worst_f);
-  conceg_ctx_log(ctx, CONCEG_LOG_INFO, "points below 95 %% of their target radius: %s without moving, %s after it; mean share of the target %.4f, then %.4f (%llu sweeps)",
-                 percent(without.constricted, bodies.points).c_str(), percent(cut.constricted, bodies.points).c_str(), without.mean_share,
-                 cut.mean_share, count(cut.sweeps));
-  conceg_ctx_log(ctx, CONCEG_LOG_INFO, "moved %zu points in %d iterations, %llu lists of pairs (%llu pairs in the last): shift %.3f um mean, %.3f um largest; cable %.1f -> %.1f um",
-                 bodies.points, motion.iterations, count(moved.rebuilds), count(moved.pairs), moved.mean_shift, moved.largest_shift, moved.length_before, moved.length_after);
+    conceg_ctx_log(
+        ctx, CONCEG_LOG_WARNING,
+        "relax: %llu pairs still overlap at the least radius, by at most %.4f um (skeleton rows %u and %u); "
+        "the mesh cuts them at their contact plane. Raise relax.iterations or lower relax.radius_min_um",
+        count(final.overlapping), final.largest_overlap, final.worst_e, final.worst_f);
+  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                 "points below 95 %% of their target radius: %s without moving, %s after it; mean share of "
+                 "the target %.4f, then %.4f (%llu sweeps)",
+                 percent(without.constricted, bodies.points).c_str(),
+                 percent(cut.constricted, bodies.points).c_str(), without.mean_share, cut.mean_share,
+                 count(cut.sweeps));
+  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                 "moved %zu points in %d iterations, %llu lists of pairs (%llu pairs in the last): shift "
+                 "%.3f um mean, %.3f um largest; cable %.1f -> %.1f um",
+                 bodies.points, motion.iterations, count(moved.rebuilds), count(moved.pairs),
+                 moved.mean_shift, moved.largest_shift, moved.length_before, moved.length_after);
   workers.count(ctx, "relax.items");
   write_back(doc, skeletons, status, resample(skeletons, conceg_params_f64(params, "sphere_spacing")));
 }
@@ -124,15 +142,23 @@ const conceg_param parameters[] = {
     {"iterations", "1", "steps of the heavy ball", "80", nullptr, CONCEG_PARAM_I64, 0, 0, 100000},
     {"gap_um", "um", "space kept free between bodies", "0.04", nullptr, CONCEG_PARAM_F64, 0, 0, 1},
     {"radius_min_um", "um", "no radius is cut below this", "0.15", nullptr, CONCEG_PARAM_F64, 0, 0.001, 10},
-    {"repulsion", "1", "share of an overlap that one step takes away", "0.3", nullptr, CONCEG_PARAM_F64, 0, 0, 1},
-    {"attraction", "1", "share of a small gap that one step closes, at most", "0.02", nullptr, CONCEG_PARAM_F64, 0, 0, 1},
-    {"attraction_range_um", "um", "largest gap, beyond gap_um, across which bodies attract", "0.2", nullptr, CONCEG_PARAM_F64, 0, 0, 5},
-    {"stretch", "1", "share of a change of segment length that one step takes back", "0.5", nullptr, CONCEG_PARAM_F64, 0, 0, 0.8},
-    {"bending", "1", "share of a change of bend that one step takes back", "0.02", nullptr, CONCEG_PARAM_F64, 0, 0, 0.5},
-    {"momentum", "1", "share of the last step that goes on (heavy ball)", "0.8", nullptr, CONCEG_PARAM_F64, 0, 0, 0.99},
+    {"repulsion", "1", "share of an overlap that one step takes away", "0.3", nullptr, CONCEG_PARAM_F64, 0, 0,
+     1},
+    {"attraction", "1", "share of a small gap that one step closes, at most", "0.02", nullptr,
+     CONCEG_PARAM_F64, 0, 0, 1},
+    {"attraction_range_um", "um", "largest gap, beyond gap_um, across which bodies attract", "0.2", nullptr,
+     CONCEG_PARAM_F64, 0, 0, 5},
+    {"stretch", "1", "share of a change of segment length that one step takes back", "0.5", nullptr,
+     CONCEG_PARAM_F64, 0, 0, 0.8},
+    {"bending", "1", "share of a change of bend that one step takes back", "0.02", nullptr, CONCEG_PARAM_F64,
+     0, 0, 0.5},
+    {"momentum", "1", "share of the last step that goes on (heavy ball)", "0.8", nullptr, CONCEG_PARAM_F64, 0,
+     0, 0.99},
     {"step_um", "um", "largest move of a point in one step", "0.05", nullptr, CONCEG_PARAM_F64, 0, 0.0001, 1},
-    {"skin_um", "um", "slack of the list of pairs; changes the time only", "0.25", nullptr, CONCEG_PARAM_F64, 0, 0.01, 5},
-    {"sphere_spacing", "1", "distance of the spheres of /spheres in radii", "1", nullptr, CONCEG_PARAM_F64, 0, 0.05, 2},
+    {"skin_um", "um", "slack of the list of pairs; changes the time only", "0.25", nullptr, CONCEG_PARAM_F64,
+     0, 0.01, 5},
+    {"sphere_spacing", "1", "distance of the spheres of /spheres in radii", "1", nullptr, CONCEG_PARAM_F64, 0,
+     0.05, 2},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};
 const char *const reads[] = {"domain", "types", "cells", "skeleton", nullptr};
 const char *const writes[] = {"skeleton", "spheres", nullptr};

@@ -14,7 +14,7 @@ namespace {
 
 // Geometry ids: three in a row for each body.
 constexpr unsigned kinds = 3, surface_kind = 0, cone_kind = 1, sphere_kind = 2;
-constexpr double edge_radius = 0.0014; // of the box's longest side
+constexpr double edge_radius = 0.0008; // of the scene's diagonal
 
 RTCRay float_ray(const glm::dvec3 &start, const glm::dvec3 &direction, double from, double to) {
   RTCRay ray;
@@ -125,8 +125,7 @@ void RayScene::add_cones(const Body &body, std::uint32_t number) {
 
 void RayScene::add_edges() {
   const glm::dvec3 corner[2] = {{scene_.box.lo[0], scene_.box.lo[1], scene_.box.lo[2]}, {scene_.box.hi[0], scene_.box.hi[1], scene_.box.hi[2]}};
-  const glm::dvec3 size = side(scene_.box);
-  const double radius = edge_radius * std::max(size.x, std::max(size.y, size.z));
+  const double radius = edge_radius * glm::length(scene_.hi - scene_.lo);
   RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE);
   float *ends = float_buffer(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, 4, 24);
   std::uint32_t *index = index_buffer(geometry, RTC_FORMAT_UINT, 1, 12);

@@ -82,11 +82,20 @@ public:
   }
 
 private:
-  // Cones overlap within a cell, so a ray that begins in one may first meet another from outside: their owner is asked for.
+  // The first surface in the box, or the cut face of the cell in which the ray enters it.
   RayHit first_in_box(const glm::dvec3 &start, double from, double to) const {
+    const glm::dvec3 entry = start + from * camera_.forward();
     RayHit hit = rays_.first(start, camera_.forward(), from, to);
     if (!scene_.clipped || from <= 0.0 || hit.inside) return hit;
-    const std::int32_t owner = rays_.cone_owner(start + from * camera_.forward());
+    // Cones overlap within a cell, so a ray that begins in one may first meet another from outside: their owner is asked for.
+    std::int32_t owner = rays_.cone_owner(entry);
+    if (owner < 0 && hit.body < 0) {
+      // Near an edge of the box a ray may leave it again within the same cell: a ray to the middle tells.
+      const glm::dvec3 inward = 0.5 * (scene_.lo + scene_.hi) - entry;
+      const double length = glm::length(inward);
+      const RayHit wall = length > 0.0 ? rays_.first(entry, inward / length, 0.0, length) : RayHit();
+      if (wall.inside) owner = wall.body;
+    }
     if (owner >= 0) hit.body = owner, hit.inside = true, hit.distance = from;
     return hit;
   }

@@ -17,7 +17,7 @@ using namespace conceg;
 using namespace conceg::rendering;
 
 const conceg_param parameters[] = {
-    {"what", "", "pictures to make: the cells in the box, a cut through it, or both", "both", "both|cells|cut", CONCEG_PARAM_CHOICE, 0, 0, 0},
+    {"what", "", "pictures to make: the cells in the box, a cut through it, or both (of a single cell only the first)", "both", "both|cells|cut", CONCEG_PARAM_CHOICE, 0, 0, 0},
     {"dir", "", "folder to write into; made when absent", "pictures", nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
     {"cells", "", "all, one row such as 7, or one id such as id:12; a single cell is drawn whole", "all", nullptr, CONCEG_PARAM_TEXT, 0, 0, 0},
     {"whole", "", "draw whole cells instead of what lies in the box", "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
@@ -120,7 +120,8 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
     const Scene scene = make_scene(ctx, doc, params, workers, chosen);
     std::string dir = conceg_params_text(params, "dir"), name = "cells.png", cut_name = "cut.png";
     if (dir.empty()) fail(CONCEG_E_PARAM, "dir: expected the name of a folder, got an empty text");
-    if (std::string(conceg_params_text(params, "cells")) != "all") {
+    const bool single = std::string(conceg_params_text(params, "cells")) != "all";
+    if (single) {
       char number[40];
       std::snprintf(number, sizeof number, "cell_%04llu", static_cast<unsigned long long>(chosen.front().row));
       name = std::string(number) + ".png", cut_name = std::string(number) + "_cut.png";
@@ -133,7 +134,7 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
     const std::string what = conceg_params_text(params, "what");
     const Progress progress = progress_of(ctx);
     if (what != "cut") save(ctx, dir + "/" + name, picture_of_cells(scene, options, workers, progress));
-    if (what != "cells") save(ctx, dir + "/" + cut_name, picture_of_cut(scene, options, workers, progress));
+    if (what == "cut" || (what == "both" && !single)) save(ctx, dir + "/" + cut_name, picture_of_cut(scene, options, workers, progress));
     workers.count(ctx, "render.items");
   });
 }

@@ -12,17 +12,20 @@ static conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *
   conceg_status status = conceg_doc_read(doc, "/skeleton/radius", &radius);
   if (status != CONCEG_OK) return status; /* the library has set the error line */
   if (radius.dtype != CONCEG_F32 || radius.rank != 1)
-    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "/skeleton/radius: expected f32 of one extent, got %s of %u", conceg_dtype_name(radius.dtype),
-                           radius.rank);
+    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "/skeleton/radius: expected f32 of one extent, got %s of %u",
+                           conceg_dtype_name(radius.dtype), radius.rank);
 
   /* A view ends when its path is written, so the result is made beside it. */
   const uint64_t count = radius.shape[0];
   const float *old = radius.data;
   float *scaled = malloc((count ? count : 1) * sizeof *scaled);
-  if (!scaled) return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "template: out of memory for %llu radii", (unsigned long long)count);
+  if (!scaled)
+    return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "template: out of memory for %llu radii",
+                           (unsigned long long)count);
   for (uint64_t i = 0; i < count && status == CONCEG_OK; i++) {
     scaled[i] = (float)(old[i] * factor);
-    if (i % 65536 == 0) status = conceg_ctx_progress(ctx, "scaling radii", i, count); /* not OK: the user cancelled */
+    if (i % 65536 == 0)
+      status = conceg_ctx_progress(ctx, "scaling radii", i, count); /* not OK: the user cancelled */
   }
   radius.data = scaled;
   if (status == CONCEG_OK) status = conceg_doc_write(doc, "/skeleton/radius", &radius);

@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Stages for tests only: a source that makes a tiny valid document without any other library, and stages that misbehave.
- * The build makes one library per stage out of this file; TOY_KIND, TOY_NAME and TOY_RUN choose. */
+ * Stages for tests only: a source that makes a tiny valid document without any other library, and stages that
+ * misbehave. The build makes one library per stage out of this file; TOY_KIND, TOY_NAME and TOY_RUN choose.
+ */
 #include <conceg/conceg.h>
 
 #include <string.h>
 
-static conceg_status write_array(conceg_doc *doc, const char *path, conceg_dtype dtype, uint64_t rows, uint64_t columns, const void *data) {
-  const conceg_array array = {sizeof array, dtype, columns == 0 ? 0u : columns == 1 ? 1u : 2u, 0, {rows, columns, 0, 0}, data, NULL};
+static conceg_status write_array(conceg_doc *doc, const char *path, conceg_dtype dtype, uint64_t rows,
+                                 uint64_t columns, const void *data) {
+  const conceg_array array = {
+      sizeof array, dtype, columns == 0 ? 0u : columns == 1 ? 1u : 2u, 0, {rows, columns, 0, 0}, data, NULL};
   return conceg_doc_write(doc, path, &array);
 }
 
@@ -33,7 +36,9 @@ static conceg_status make_tissue(conceg_ctx *ctx, conceg_doc *doc, const conceg_
   const conceg_node *size = conceg_node_get(conceg_recipe_root(recipe), "domain.size_um");
   for (uint32_t axis = 0; axis < 3; axis++) {
     hi[axis] = 20;
-    if (conceg_node_at(size, axis) && conceg_node_f64(ctx, conceg_node_at(size, axis), &hi[axis]) != CONCEG_OK) hi[axis] = 0;
+    if (conceg_node_at(size, axis) &&
+        conceg_node_f64(ctx, conceg_node_at(size, axis), &hi[axis]) != CONCEG_OK)
+      hi[axis] = 0;
   }
   conceg_recipe_free(recipe);
   for (uint32_t i = 0; i < 6; i++) {
@@ -41,7 +46,8 @@ static conceg_status make_tissue(conceg_ctx *ctx, conceg_doc *doc, const conceg_
     thin[i] = (float)conceg_params_f64(params, "radius_um");
   }
   for (uint32_t point = 0; point < 6; point++)
-    for (uint32_t axis = 0; axis < 3; axis++) position[3 * point + axis] = soma[3 * (point / 3) + axis] + (axis == 0) * (2.0 + point % 3);
+    for (uint32_t axis = 0; axis < 3; axis++)
+      position[3 * point + axis] = soma[3 * (point / 3) + axis] + (axis == 0) * (2.0 + point % 3);
   conceg_ctx_count(ctx, "toy.cells", 0, 2);
   TRY(write_array(doc, "/domain@lo", CONCEG_F64, 3, 1, lo));
   TRY(write_array(doc, "/domain@hi", CONCEG_F64, 3, 1, hi));
@@ -100,7 +106,8 @@ static conceg_status fail_silently(conceg_ctx *ctx, conceg_doc *doc, const conce
 static conceg_status wait_for_cancel(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   conceg_status status = CONCEG_OK;
   (void)doc, (void)params;
-  for (uint64_t i = 0; status == CONCEG_OK; i++) status = conceg_ctx_progress(ctx, "waiting", i % 1000, 1000);
+  for (uint64_t i = 0; status == CONCEG_OK; i++)
+    status = conceg_ctx_progress(ctx, "waiting", i % 1000, 1000);
   return status;
 }
 
@@ -140,7 +147,8 @@ static const conceg_stage *describe(void) {
 
 const conceg_stage *conceg_stage_entry(uint32_t host_abi, uint32_t index) {
   /* Every function is used by one of the libraries made of this file. */
-  static const run_fn all[] = {make_tissue, make_spheres, break_rules, write_elsewhere, ask_for_nothing, fail_silently, wait_for_cancel};
+  static const run_fn all[] = {make_tissue,     make_spheres,  break_rules,    write_elsewhere,
+                               ask_for_nothing, fail_silently, wait_for_cancel};
   (void)host_abi;
   return index == 0 && all[0] ? describe() : NULL;
 }

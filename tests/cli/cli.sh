@@ -156,4 +156,12 @@ code=$?
 expect_true "SIGTERM ends with exit code 6, got $code" test "$code" -eq 6
 expect_true "one error line" grep -q "error: .*cancel" cancel.log
 expect_true "nothing is left" sh -c "! ls | grep -q never"
+mkfifo silent && { sleep 5 > silent & }
+"$conceg" relax --impl spheres -o never.cgx < silent 2> cancel.log & child=$!
+sleep 1
+kill -TERM $child
+wait $child
+code=$?
+expect_true "SIGTERM while waiting for input ends with exit code 6, got $code" test "$code" -eq 6
+expect_true "and one error line" grep -q "error: cancelled while waiting" cancel.log
 expect_done

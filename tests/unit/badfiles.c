@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Bad input: every file that is no document ends in one clear line and the right status; foreign forms of a good one are read. */
+ * Bad input: every file that is no document ends in one clear line and the right status; foreign forms of a
+ * good one are read. */
 #define _XOPEN_SOURCE 700
 #include "damage.h"
 #include "sample.h"
@@ -8,7 +9,9 @@
 
 /* HDF5 itself loses memory when it gives up on a damaged file; only the address sanitizer asks for this. */
 const char *__lsan_default_suppressions(void);
-__attribute__((visibility("default"))) const char *__lsan_default_suppressions(void) { return "leak:libhdf5"; }
+__attribute__((visibility("default"))) const char *__lsan_default_suppressions(void) {
+  return "leak:libhdf5";
+}
 
 static char good[256], bad[256];
 
@@ -38,7 +41,8 @@ static void copy_good(void) {
 }
 
 static void test_bytes(conceg_ctx *ctx) {
-  static const char text[] = "# a recipe is not a document, whatever its name is: domain, types, dictionary, density\n";
+  static const char text[] =
+      "# a recipe is not a document, whatever its name is: domain, types, dictionary, density\n";
   void *image = NULL;
   size_t count = 0;
   conceg_doc *doc = sample_doc(ctx);
@@ -189,7 +193,8 @@ static void test_foreign(conceg_ctx *ctx) {
   CHECK_EQUAL(conceg_doc_read(doc, "/x_packed", &array), CONCEG_OK);
   CHECK(array.dtype == CONCEG_I32 && memcmp(array.data, numbers, sizeof numbers) == 0);
   CHECK_EQUAL(conceg_doc_read(doc, "/x_variable", &array), CONCEG_OK);
-  for (int i = 0; i < 3; i++) CHECK_TEXT(((const char *const *)array.data)[i], words[i]);
+  for (int i = 0; i < 3; i++)
+    CHECK_TEXT(((const char *const *)array.data)[i], words[i]);
   CHECK_EQUAL(conceg_doc_read(doc, "/x_blank", &array), CONCEG_OK);
   CHECK_TEXT(((const char *const *)array.data)[1], "bcd");
   CHECK_EQUAL(conceg_doc_read(doc, "/x_compound", &array), CONCEG_E_FORMAT);

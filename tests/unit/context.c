@@ -30,7 +30,8 @@ static void run(conceg_ctx *ctx, void *(*body)(void *)) {
     worker[i] = (struct worker){ctx, i};
     pthread_create(&thread[i], NULL, body, &worker[i]);
   }
-  for (int i = 0; i < THREADS; i++) pthread_join(thread[i], NULL);
+  for (int i = 0; i < THREADS; i++)
+    pthread_join(thread[i], NULL);
 }
 
 static void test_counters(void) {
@@ -43,7 +44,8 @@ static void test_counters(void) {
     uint32_t workers = 0;
     const char *name = conceg_ctx_counter(ctx, c, &values, &workers);
     uint64_t sum = 0;
-    for (uint32_t w = 0; w < workers; w++) sum += values[w];
+    for (uint32_t w = 0; w < workers; w++)
+      sum += values[w];
     if (strcmp(name, "grow.steps") == 0) {
       CHECK_EQUAL(workers, THREADS);
       CHECK_EQUAL(sum, 2 * THREADS * STEPS);
@@ -77,7 +79,8 @@ static int on_progress(void *user, const char *what, uint64_t done, uint64_t tot
 
 static void *report(void *user) {
   const struct worker *worker = user;
-  for (uint64_t i = 1; i < 400; i++) (void)conceg_ctx_progress(worker->ctx, "work", i, 1000);
+  for (uint64_t i = 1; i < 400; i++)
+    (void)conceg_ctx_progress(worker->ctx, "work", i, 1000);
   return NULL;
 }
 
@@ -101,7 +104,8 @@ static void test_progress(void) {
 static void test_error(void) {
   conceg_ctx *ctx = conceg_ctx_new();
   CHECK_TEXT(conceg_ctx_error(ctx), "");
-  CHECK_EQUAL(conceg_ctx_fail(ctx, CONCEG_E_RANGE, "cells[%d]: expected %s,\ngot %g", 3, "a radius", -1.0), CONCEG_E_RANGE);
+  CHECK_EQUAL(conceg_ctx_fail(ctx, CONCEG_E_RANGE, "cells[%d]: expected %s,\ngot %g", 3, "a radius", -1.0),
+              CONCEG_E_RANGE);
   CHECK_TEXT(conceg_ctx_error(ctx), "cells[3]: expected a radius, got -1"); /* one line */
   (void)conceg_ctx_fail(ctx, CONCEG_E_STAGE, "grow: %s", conceg_ctx_error(ctx));
   CHECK_TEXT(conceg_ctx_error(ctx), "grow: cells[3]: expected a radius, got -1");

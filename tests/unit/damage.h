@@ -13,13 +13,18 @@ static inline hid_t damage_open(const char *path) {
   return file;
 }
 
-static inline void damage_close(hid_t file) { CHECK(H5Fclose(file) >= 0); }
+static inline void damage_close(hid_t file) {
+  CHECK(H5Fclose(file) >= 0);
+}
 
 /* A new attribute, or another in its place; `count` 0 = a scalar. */
-static inline void damage_attribute(hid_t file, const char *object, const char *name, hid_t type, hsize_t count, const void *value) {
-  if (H5Aexists_by_name(file, object, name, H5P_DEFAULT) > 0) H5Adelete_by_name(file, object, name, H5P_DEFAULT);
+static inline void damage_attribute(hid_t file, const char *object, const char *name, hid_t type,
+                                    hsize_t count, const void *value) {
+  if (H5Aexists_by_name(file, object, name, H5P_DEFAULT) > 0)
+    H5Adelete_by_name(file, object, name, H5P_DEFAULT);
   const hid_t space = count ? H5Screate_simple(1, &count, NULL) : H5Screate(H5S_SCALAR);
-  const hid_t attribute = H5Acreate_by_name(file, object, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t attribute =
+      H5Acreate_by_name(file, object, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
   CHECK(attribute >= 0 && H5Awrite(attribute, type, value) >= 0);
   H5Aclose(attribute);
   H5Sclose(space);
@@ -33,7 +38,8 @@ static inline void damage_text_attribute(hid_t file, const char *object, const c
 }
 
 /* A new dataset with the given creation list; `value` NULL = nothing is written. */
-static inline void damage_dataset(hid_t file, const char *path, hid_t type, int rank, const hsize_t *shape, hid_t list, const void *value) {
+static inline void damage_dataset(hid_t file, const char *path, hid_t type, int rank, const hsize_t *shape,
+                                  hid_t list, const void *value) {
   const hid_t space = rank ? H5Screate_simple(rank, shape, NULL) : H5Screate(H5S_SCALAR);
   const hid_t links = H5Pcreate(H5P_LINK_CREATE);
   H5Pset_create_intermediate_group(links, 1);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Digests: SHA-256 against known answers, both ways to compute it, and what a content digest does and does not see. */
+ * Digests: SHA-256 against known answers, both ways to compute it, and what a content digest does and does
+ * not see. */
 #define _XOPEN_SOURCE 700
 #include "damage.h"
 #include "sample.h"
@@ -10,7 +11,8 @@ static void hash(const char *bytes, size_t count, size_t step, char hex[65]) {
   struct sha256 sha;
   uint8_t digest[32];
   sha256_start(&sha);
-  for (size_t i = 0; i < count; i += step) sha256_add(&sha, bytes + i, count - i < step ? count - i : step);
+  for (size_t i = 0; i < count; i += step)
+    sha256_add(&sha, bytes + i, count - i < step ? count - i : step);
   sha256_end(&sha, digest);
   sha256_hex(digest, hex);
 }
@@ -36,7 +38,8 @@ static void test_sha256(void) {
     free(million);
   }
   char bytes[300];
-  for (size_t i = 0; i < sizeof bytes; i++) bytes[i] = (char)(i * 31 + 7);
+  for (size_t i = 0; i < sizeof bytes; i++)
+    bytes[i] = (char)(i * 31 + 7);
   for (size_t count = 0; count < sizeof bytes; count++) { /* every length of padding, any split */
     sha256_force_portable(0);
     hash(bytes, count, 1000, hex);

@@ -17,12 +17,18 @@ static void test_types(conceg_ctx *ctx) {
   conceg_doc *doc = NULL, *back = NULL;
   CHECK_EQUAL(conceg_doc_new(ctx, &doc), CONCEG_OK);
   uint8_t bytes[48];
-  for (size_t i = 0; i < sizeof bytes; i++) bytes[i] = (uint8_t)(i * 37 + 1);
+  for (size_t i = 0; i < sizeof bytes; i++)
+    bytes[i] = (uint8_t)(i * 37 + 1);
   for (int dtype = CONCEG_U8; dtype <= CONCEG_F64; dtype++)
     for (uint32_t rank = 0; rank <= 4; rank++) {
       char name[64];
       snprintf(name, sizeof name, "/x_test/%s_%u", conceg_dtype_name((conceg_dtype)dtype), rank);
-      conceg_array array = {.size = sizeof array, .dtype = (conceg_dtype)dtype, .rank = rank, .shape = {1, 1, 1, 1}, .data = bytes, .unit = "mV"};
+      conceg_array array = {.size = sizeof array,
+                            .dtype = (conceg_dtype)dtype,
+                            .rank = rank,
+                            .shape = {1, 1, 1, 1},
+                            .data = bytes,
+                            .unit = "mV"};
       if (rank) array.shape[rank - 1] = 6;
       CHECK_EQUAL(conceg_doc_write(doc, name, &array), CONCEG_OK);
       snprintf(name, sizeof name, "/x_test@%s_%u", conceg_dtype_name((conceg_dtype)dtype), rank);
@@ -35,7 +41,8 @@ static void test_types(conceg_ctx *ctx) {
     for (uint32_t rank = 0; rank <= 4; rank++)
       for (int attribute = 0; attribute < 2; attribute++) {
         char name[64];
-        snprintf(name, sizeof name, "/x_test%c%s_%u", attribute ? '@' : '/', conceg_dtype_name((conceg_dtype)dtype), rank);
+        snprintf(name, sizeof name, "/x_test%c%s_%u", attribute ? '@' : '/',
+                 conceg_dtype_name((conceg_dtype)dtype), rank);
         const conceg_array array = view(back, ctx, name);
         CHECK_EQUAL(array.dtype, dtype);
         CHECK_EQUAL(array.rank, rank);
@@ -105,13 +112,15 @@ static void test_bytes(conceg_ctx *ctx) {
 }
 
 static void test_order(conceg_ctx *ctx) {
-  static const char *const expected[] = {"/recipe", "/domain/", "/types/", "/dictionary/", "/cells/", "/bars/", "/skeleton/", "/spheres/",
-                                         "/meshes/", "/statistics/", "/x_lab/", "/@format", "/@version", "/@length_unit", "/@time_unit",
-                                         "/@complete"};
+  static const char *const expected[] = {"/recipe",   "/domain/",      "/types/",     "/dictionary/",
+                                         "/cells/",   "/bars/",        "/skeleton/",  "/spheres/",
+                                         "/meshes/",  "/statistics/",  "/x_lab/",     "/@format",
+                                         "/@version", "/@length_unit", "/@time_unit", "/@complete"};
   const uint64_t count = sizeof expected / sizeof *expected;
   conceg_doc *doc = sample_doc(ctx);
   CHECK_EQUAL(conceg_doc_children(doc, "/"), count);
-  for (uint64_t i = 0; i < count; i++) CHECK_TEXT(conceg_doc_child(doc, "/", i), expected[i]);
+  for (uint64_t i = 0; i < count; i++)
+    CHECK_TEXT(conceg_doc_child(doc, "/", i), expected[i]);
   CHECK(conceg_doc_child(doc, "/", count) == NULL);
   CHECK_TEXT(conceg_doc_child(doc, "/cells", 0), "/cells/id");
   CHECK_TEXT(conceg_doc_child(doc, "/cells/", 3), "/cells/soma");
@@ -122,9 +131,12 @@ static void test_order(conceg_ctx *ctx) {
 
 static void test_dropping(conceg_ctx *ctx) {
   conceg_doc *doc = sample_doc(ctx);
-  CHECK(conceg_doc_has(doc, "/cells") && conceg_doc_has(doc, "/cells/") && conceg_doc_has(doc, "/cells/soma"));
-  CHECK(conceg_doc_has(doc, "/cells/soma@unit") && conceg_doc_has(doc, "/domain@lo") && conceg_doc_has(doc, "/"));
-  CHECK(!conceg_doc_has(doc, "/cells/soma/") && !conceg_doc_has(doc, "/cells/nothing") && !conceg_doc_has(doc, "cells"));
+  CHECK(conceg_doc_has(doc, "/cells") && conceg_doc_has(doc, "/cells/") &&
+        conceg_doc_has(doc, "/cells/soma"));
+  CHECK(conceg_doc_has(doc, "/cells/soma@unit") && conceg_doc_has(doc, "/domain@lo") &&
+        conceg_doc_has(doc, "/"));
+  CHECK(!conceg_doc_has(doc, "/cells/soma/") && !conceg_doc_has(doc, "/cells/nothing") &&
+        !conceg_doc_has(doc, "cells"));
   CHECK_EQUAL(conceg_doc_drop(doc, "/cells/soma"), CONCEG_OK);
   CHECK(!conceg_doc_has(doc, "/cells/soma") && conceg_doc_has(doc, "/cells/id"));
   CHECK_EQUAL(conceg_doc_drop(doc, "/cells"), CONCEG_OK);
@@ -145,7 +157,8 @@ static void test_new_array(conceg_ctx *ctx) {
   CHECK_EQUAL(conceg_doc_new_array(doc, "/network/position", CONCEG_F64, 2, shape, &storage), CONCEG_OK);
   double *position = storage;
   int zeroed = 1;
-  for (int i = 0; i < 3000; i++) zeroed &= position[i] == 0;
+  for (int i = 0; i < 3000; i++)
+    zeroed &= position[i] == 0;
   CHECK(zeroed);
   position[2999] = 7;
   const conceg_array array = view(doc, ctx, "/network/position");
@@ -157,8 +170,9 @@ static void test_new_array(conceg_ctx *ctx) {
 
 /* A failed call changes nothing and says why. */
 static void test_wrong_use(conceg_ctx *ctx) {
-  static const char *const bad[] = {"", "cells", "/", "//a", "/a/", "/a//b", "/a b", "/../a", "/./a", "/a@", "/a@b@c", "/a@b/c",
-                                    "/@version", "/1/2/3/4/5/6/7/8/9/10/11/12/13/14/15/16/17"};
+  static const char *const bad[] = {
+      "",      "cells", "/",   "//a",    "/a/",    "/a//b",     "/a b",
+      "/../a", "/./a",  "/a@", "/a@b@c", "/a@b/c", "/@version", "/1/2/3/4/5/6/7/8/9/10/11/12/13/14/15/16/17"};
   const double one = 1;
   conceg_doc *doc = NULL;
   CHECK_EQUAL(conceg_doc_new(ctx, &doc), CONCEG_OK);

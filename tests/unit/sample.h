@@ -17,14 +17,19 @@ static inline conceg_ctx *sample_ctx(void) {
 }
 
 /* Writes numbers; rank 2 when columns > 0. Ends the test when it fails. */
-static inline void sample_put(conceg_doc *doc, conceg_ctx *ctx, const char *path, conceg_dtype dtype, uint64_t rows, uint64_t columns,
-                              const void *data) {
-  conceg_array array = {.size = sizeof array, .dtype = dtype, .rank = columns ? 2u : 1u, .shape = {rows, columns}, .data = data};
+static inline void sample_put(conceg_doc *doc, conceg_ctx *ctx, const char *path, conceg_dtype dtype,
+                              uint64_t rows, uint64_t columns, const void *data) {
+  conceg_array array = {.size = sizeof array,
+                        .dtype = dtype,
+                        .rank = columns ? 2u : 1u,
+                        .shape = {rows, columns},
+                        .data = data};
   if (conceg_doc_write(doc, path, &array) == CONCEG_OK) return;
   fprintf(stderr, "%s\n", conceg_ctx_error(ctx));
   exit(1);
 }
-static inline void sample_scalar(conceg_doc *doc, conceg_ctx *ctx, const char *path, conceg_dtype dtype, const void *data) {
+static inline void sample_scalar(conceg_doc *doc, conceg_ctx *ctx, const char *path, conceg_dtype dtype,
+                                 const void *data) {
   conceg_array array = {.size = sizeof array, .dtype = dtype, .data = data};
   if (conceg_doc_write(doc, path, &array) == CONCEG_OK) return;
   fprintf(stderr, "%s\n", conceg_ctx_error(ctx));
@@ -35,7 +40,8 @@ static inline void sample_scalar(conceg_doc *doc, conceg_ctx *ctx, const char *p
   do {                                                                                                       \
     const type values_[] = {__VA_ARGS__};                                                                    \
     const uint64_t count_ = sizeof values_ / sizeof *values_;                                                \
-    sample_put(doc, ctx, path, dtype, (columns) ? count_ / ((columns) ? (columns) : 1) : count_, columns, values_); \
+    sample_put(doc, ctx, path, dtype, (columns) ? count_ / ((columns) ? (columns) : 1) : count_, columns,    \
+               values_);                                                                                     \
   } while (0)
 
 static inline void sample_domain(conceg_doc *doc, conceg_ctx *ctx) {
@@ -95,8 +101,10 @@ static inline void sample_meshes(conceg_doc *doc, conceg_ctx *ctx) {
   PUT("/meshes/origin", CONCEG_F64, double, 3, 1, 2, 3, 10, 20, 30);
   PUT("/meshes/vertex_offset", CONCEG_U64, uint64_t, 0, 0, 4, 8);
   PUT("/meshes/face_offset", CONCEG_U64, uint64_t, 0, 0, 4, 8);
-  PUT("/meshes/vertex", CONCEG_F64, double, 3, 1, 2, 3, 2, 2, 3, 1, 3, 3, 1, 2, 4, 10, 20, 30, 11, 20, 30, 10, 21, 30, 10, 20, 31);
-  PUT("/meshes/face", CONCEG_U32, uint32_t, 3, 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3);
+  PUT("/meshes/vertex", CONCEG_F64, double, 3, 1, 2, 3, 2, 2, 3, 1, 3, 3, 1, 2, 4, 10, 20, 30, 11, 20, 30, 10,
+      21, 30, 10, 20, 31);
+  PUT("/meshes/face", CONCEG_U32, uint32_t, 3, 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 0, 2, 1, 0, 1, 3, 0, 3, 2,
+      1, 2, 3);
   PUT("/meshes/compartment", CONCEG_U8, uint8_t, 0, 1, 1, 1, 3, 1, 1, 1, 7);
   PUT("/meshes/volume", CONCEG_F64, double, 0, 1.0 / 6, 1.0 / 6);
   PUT("/meshes/area", CONCEG_F64, double, 0, 2.3660254037844386, 2.3660254037844386);

@@ -9,7 +9,8 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 
-static void refuse(conceg_ctx *ctx, conceg_doc *doc, const char *path, conceg_status status, const char *words) {
+static void refuse(conceg_ctx *ctx, conceg_doc *doc, const char *path, conceg_status status,
+                   const char *words) {
   const int before = sample_files();
   CHECK_EQUAL(conceg_doc_save(doc, path), status);
   if (!strstr(conceg_ctx_error(ctx), words)) {
@@ -54,8 +55,10 @@ static int in_child(int fd, int file, int (*child)(const char *), const char *ar
   const pid_t pid = fork();
   if (pid == 0) {
     signal(SIGPIPE, SIG_IGN);
-    if (file >= 0) dup2(file, fd);
-    else close(fd);
+    if (file >= 0)
+      dup2(file, fd);
+    else
+      close(fd);
     _exit(child(argument));
   }
   int status = -1;
@@ -160,12 +163,14 @@ static conceg_doc *large_doc(conceg_ctx *ctx) {
     void *storage = NULL;
     snprintf(path, sizeof path, "/x_lab/part_%d", part);
     CHECK_EQUAL(conceg_doc_new_array(doc, path, CONCEG_F64, 2, shape, &storage), CONCEG_OK);
-    for (uint64_t i = 0; storage && i < shape[0] * 3; i++) ((double *)storage)[i] = (double)(i * 7 + (uint64_t)part);
+    for (uint64_t i = 0; storage && i < shape[0] * 3; i++)
+      ((double *)storage)[i] = (double)(i * 7 + (uint64_t)part);
   }
   return doc;
 }
 
-/* A small budget moves arrays to the temporary folder; the bytes stay the same, and nothing is left behind. */
+/* A small budget moves arrays to the temporary folder; the bytes stay the same, and nothing is left behind.
+ */
 static void test_spilling(conceg_ctx *ctx) {
   char a[256], b[256];
   conceg_doc *doc = large_doc(ctx);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * spec/cgx.md against spec/schema.yaml and the validator: every array of the schema has its row with the same type, shape and
- * unit; every rule that the library names is written down. SOURCE_FOLDER is the checkout. */
+ * spec/cgx.md against spec/schema.yaml and the validator: every array of the schema has its row with the same
+ * type, shape and unit; every rule that the library names is written down. SOURCE_FOLDER is the checkout. */
 #include "check.h"
 
 static char *read_text(const char *name) {
@@ -15,7 +15,8 @@ static char *read_text(const char *name) {
   return text;
 }
 
-/* The value of "key: value" in a flow mapping, up to the comma or brace that ends it; brackets are kept whole. */
+/* The value of "key: value" in a flow mapping, up to the comma or brace that ends it; brackets are kept
+ * whole. */
 static int value_of(const char *line, const char *key, char value[128]) {
   const char *at = strstr(line, key);
   size_t length = 0;
@@ -49,7 +50,8 @@ static void test_arrays(const char *cgx) {
     CHECK(value_of(line, "shape: ", shape));
     value_of(line, "unit: ", unit);
     const char *between = strstr(line, "kind: attribute") ? "@" : "/";
-    snprintf(row, sizeof row, "| `%s%s%s%s` | %s | %s | %s |", *group ? "/" : "", group, *group ? between : "/@", name, type, shape, unit);
+    snprintf(row, sizeof row, "| `%s%s%s%s` | %s | %s | %s |", *group ? "/" : "", group,
+             *group ? between : "/@", name, type, shape, unit);
     if (!strstr(cgx, row)) fprintf(stderr, "not in cgx.md: %s\n", row);
     CHECK(strstr(cgx, row) != NULL);
     items++;
@@ -59,7 +61,9 @@ static void test_arrays(const char *cgx) {
 }
 
 static void test_rules(const char *cgx) {
-  static const char *const sources[] = {"validate.c", "validate_form.c", "validate_values.c", "validate_links.c", "stream.c", "doc.c", "h5_read.c"};
+  static const char *const sources[] = {"validate.c",       "validate_form.c", "validate_values.c",
+                                        "validate_links.c", "stream.c",        "doc.c",
+                                        "h5_read.c"};
   char path[64], rule[16];
   int rules = 0;
   for (size_t i = 0; i < sizeof sources / sizeof *sources; i++) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * The substrate handle: what it shows after the document is closed, from many threads, and what it refuses. */
+ * The substrate handle: what it shows after the document is closed, from many threads, and what it refuses.
+ */
 #define _XOPEN_SOURCE 700
 #include "sample.h"
 
@@ -47,7 +48,8 @@ static void test_views(conceg_ctx *ctx) {
   mesh.size = 0;
   CHECK_EQUAL(conceg_substrate_mesh(substrate, 0, &mesh), CONCEG_E_USAGE);
   pthread_t thread[4];
-  for (int i = 0; i < 4; i++) pthread_create(&thread[i], NULL, look, substrate);
+  for (int i = 0; i < 4; i++)
+    pthread_create(&thread[i], NULL, look, substrate);
   for (int i = 0; i < 4; i++) {
     void *failed = NULL;
     pthread_join(thread[i], &failed);
@@ -86,7 +88,8 @@ static void test_refusals(conceg_ctx *ctx) {
   PUT("/skeleton/radius", CONCEG_F32, float, 0, 1, 1, 1);
   refuse(ctx, doc, CONCEG_E_FORMAT, "/skeleton/radius");
   doc = sample_doc(ctx);
-  PUT("/meshes/face", CONCEG_U32, uint32_t, 3, 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 4, 3);
+  PUT("/meshes/face", CONCEG_U32, uint32_t, 3, 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 0, 2, 1, 0, 1, 3, 0, 3, 2,
+      1, 4, 3);
   refuse(ctx, doc, CONCEG_E_FORMAT, "/meshes/face[7,1]");
 }
 

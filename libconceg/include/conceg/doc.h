@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * The document: one CGX file, stream or memory image (spec/cgx.md, spec/stream.md). Opening never changes the input;
- * saving writes a new canonical file, whole or not at all. One document belongs to one thread at a time. */
+ * saving writes a new canonical file, whole or not at all. One document belongs to one thread at a time.
+ * A program that also uses HDF5 itself must close its own files: HDF5's clean-up at exit is switched off. */
 #ifndef CONCEG_DOC_H
 #define CONCEG_DOC_H
 

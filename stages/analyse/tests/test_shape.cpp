@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Branches, angles, cable, bars and the tables made of them.
-#include "check.h"
 #include "../tables.hpp"
+#include "check.h"
 #include "shapes.hpp"
 
 #include <cmath>
@@ -31,9 +31,11 @@ double value(const Table &table, const char *name) {
 void straightness_of_lines() {
   CHECK_NEAR(straightness({{0, 0, 0}, {3, 4, 0}, {6, 8, 0}}, 1), 1, 1e-12);
   std::vector<glm::dvec3> half, zigzag;
-  for (int i = 0; i <= 4000; i++) half.push_back(50.0 * glm::dvec3(std::cos(pi * i / 4000), std::sin(pi * i / 4000), 0));
+  for (int i = 0; i <= 4000; i++)
+    half.push_back(50.0 * glm::dvec3(std::cos(pi * i / 4000), std::sin(pi * i / 4000), 0));
   CHECK_NEAR(straightness(half, 1), 2 / pi, 1e-4);
-  for (int i = 0; i <= 100; i++) zigzag.push_back({5.0 * i, i % 2 ? 5.0 : 0.0, 0});
+  for (int i = 0; i <= 100; i++)
+    zigzag.push_back({5.0 * i, i % 2 ? 5.0 : 0.0, 0});
   CHECK_NEAR(straightness(zigzag, 1), std::sqrt(0.5), 0.02);
   CHECK_NEAR(straightness({{1, 2, 3}}, 1), 1, 0);
 }
@@ -43,7 +45,8 @@ Skeletons fork(const glm::dvec3 &origin) {
   Skeletons s;
   std::vector<glm::dvec3> position;
   std::vector<std::int64_t> parent;
-  for (int i = 0; i <= 10; i++) position.push_back(origin + glm::dvec3(0, 0, i)), parent.push_back(i - 1);
+  for (int i = 0; i <= 10; i++)
+    position.push_back(origin + glm::dvec3(0, 0, i)), parent.push_back(i - 1);
   for (int side = -1; side <= 1; side += 2)
     for (int i = 1; i <= 20; i++) {
       position.push_back(origin + glm::dvec3(0.5 * side * i, 0, 10 + std::sqrt(0.75) * i));
@@ -104,9 +107,11 @@ void bars_and_tables() {
   CHECK_EQUAL(rows.rows(), 2);
   const Column *lost = find(rows, "lost");
   CHECK(lost && lost->wholes[0] == 1 && lost->wholes[1] == 1);
-  for (const Table &table : {summary, rows, class_table(cells, m), type_table(cells, m), cell_table(cells, m), neurite_table(cells, m), morphometry_table(cells, m)}) {
+  for (const Table &table : {summary, rows, class_table(cells, m), type_table(cells, m), cell_table(cells, m),
+                             neurite_table(cells, m), morphometry_table(cells, m)}) {
     CHECK(table.rows() > 0);
-    for (const Column &column : table.columns) CHECK_EQUAL(column.rows(), table.rows());
+    for (const Column &column : table.columns)
+      CHECK_EQUAL(column.rows(), table.rows());
     CHECK_EQUAL(table.lines().size(), table.rows() + 1);
   }
   bars.state[1] = 5;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Volumes, areas and volume fractions of shapes with known sizes.
-#include "check.h"
 #include "../tables.hpp"
+#include "check.h"
 #include "shapes.hpp"
 
 #include <cmath>
@@ -41,7 +41,8 @@ void sizes_of_shapes() {
   CHECK_NEAR(sizes[0].area, 4 * pi * 4, 0.05);
   CHECK_NEAR(sizes[1].volume, pi * 0.25 * 6, 0.001);
   CHECK_NEAR(sizes[1].area, pi * 6 + 2 * pi * 0.25, 0.002);
-  // An open box keeps what is inside: half of a sphere on a face, an eighth of one on the corner, half of the cylinder.
+  // An open box keeps what is inside: half of a sphere on a face, an eighth of one on the corner, half of the
+  // cylinder.
   Meshes open;
   add_surface(open, 0, icosphere(5), 2, {10, 5, 5});
   add_surface(open, 0, icosphere(5), 2, {0, 10, 0});
@@ -63,9 +64,11 @@ void inside_out_is_named() {
   Meshes m;
   add_surface(m, 0, icosphere(1), 1, {5, 5, 5});
   add_surface(m, 3, icosphere(1), 1, {2, 2, 2});
-  for (std::size_t f = m.face_offset[1]; f < m.face_offset[2]; f++) std::swap(m.face[3 * f], m.face[3 * f + 1]);
+  for (std::size_t f = m.face_offset[1]; f < m.face_offset[2]; f++)
+    std::swap(m.face[3 * f], m.face[3 * f + 1]);
   Workers workers(1);
-  CHECK(says(failure([&] { surface_sizes(m, box_of(10), workers); }), "surface 1 (cell 3): expected faces that point outward"));
+  CHECK(says(failure([&] { surface_sizes(m, box_of(10), workers); }),
+             "surface 1 (cell 3): expected faces that point outward"));
 }
 
 void field_of_a_ball_and_a_capsule() {
@@ -84,7 +87,8 @@ void field_of_a_ball_and_a_capsule() {
   const FieldShares open = field_shares(cells, skeletons, box_of(10, false), 0.05, workers, {});
   CHECK_NEAR(open.soma, (4.0 / 3 * pi * 8 - pi * 1.5 * 1.5 * (6 - 1.5) / 3) / 1000, 1e-4);
   Workers alone(1), three(3);
-  const FieldShares one = field_shares(cells, skeletons, box_of(10), 0.1, alone, {}), many = field_shares(cells, skeletons, box_of(10), 0.1, three, {});
+  const FieldShares one = field_shares(cells, skeletons, box_of(10), 0.1, alone, {}),
+                    many = field_shares(cells, skeletons, box_of(10), 0.1, three, {});
   CHECK(one.soma == many.soma && one.neurite == many.neurite);
 }
 
@@ -99,7 +103,8 @@ void three_measures_agree() {
     for (int y = 0; y < 3; y++)
       for (int z = 0; z < 3; z++, n++) {
         // Unwrapped far from the box on purpose: images count, not the place.
-        const glm::dvec3 at = glm::dvec3(4 * x + 0.3 * z, 4 * y, 4 * z) + size * glm::dvec3(n % 3 - 1, n % 4 - 2, n % 5);
+        const glm::dvec3 at =
+            glm::dvec3(4 * x + 0.3 * z, 4 * y, 4 * z) + size * glm::dvec3(n % 3 - 1, n % 4 - 2, n % 5);
         add_cell(cells, at, 1.7f);
         add_surface(meshes, static_cast<std::uint32_t>(n), ball, 1.7, at);
         add_tree(skeletons, {}, {}, 1, 3);
@@ -112,7 +117,8 @@ void three_measures_agree() {
   m.field = field_shares(cells, skeletons, box, 0.07, workers, {});
   m.points = locate_points(meshes, box, 200000, 1, workers, {});
   const double truth = 27 * 4.0 / 3 * pi * 1.7 * 1.7 * 1.7 / m.box_volume;
-  printf("truth %.5f mesh %.5f field %.5f points %.5f +- %.5f\n", truth, mesh_fraction(m), m.field.soma, m.points.inside, m.points.standard_error);
+  printf("truth %.5f mesh %.5f field %.5f points %.5f +- %.5f\n", truth, mesh_fraction(m), m.field.soma,
+         m.points.inside, m.points.standard_error);
   CHECK_NEAR(mesh_fraction(m), truth, 0.001);
   CHECK_NEAR(m.field.soma, truth, 0.001);
   CHECK_NEAR(m.points.inside, mesh_fraction(m), 4 * m.points.standard_error);
@@ -121,9 +127,11 @@ void three_measures_agree() {
   CHECK(m.points.standard_error > 0.0005 && m.points.standard_error < 0.0015);
   for (unsigned threads = 1; threads <= 3; threads++) {
     Workers w(threads);
-    CHECK(locate_points(meshes, box, 50000, 1, w, {}).inside == locate_points(meshes, box, 50000, 1, workers, {}).inside);
+    CHECK(locate_points(meshes, box, 50000, 1, w, {}).inside ==
+          locate_points(meshes, box, 50000, 1, workers, {}).inside);
   }
-  CHECK(locate_points(meshes, box, 50000, 2, workers, {}).inside != locate_points(meshes, box, 50000, 1, workers, {}).inside);
+  CHECK(locate_points(meshes, box, 50000, 2, workers, {}).inside !=
+        locate_points(meshes, box, 50000, 1, workers, {}).inside);
   // Planted: a cell put on top of another one is seen by the points.
   add_surface(meshes, 0, ball, 1.0, cells.soma[5] + glm::dvec3(12, 0, 0));
   CHECK(locate_points(meshes, box, 50000, 1, workers, {}).in_several > 10);

@@ -24,8 +24,7 @@ struct Expected {
   double order, order_tolerance, length_um, length_tolerance_um, angle_degree, angle_tolerance_degree;
 };
 const Expected expected[] = {
-    {"L23_pyramidal", "pyramidal", 10, 3.86, 0.4, 47.0, 3.0, 71.0,
-     4.0}, // pooled with upper layer 4 (3.65, 47.9, 73)
+    {"L23_pyramidal", "pyramidal", 4, 3.86, 0.1, 47.0, 1.0, 71.0, 2.0},
     {"L4_pyramidal", "pyramidal", 23, 3.65, 0.1, 47.9, 1.0, 73.0, 2.0},
     {"L5_pyramidal", "pyramidal", 10, 4.64, 0.3, 52.6, 2.0, 69.0,
      3.0}, // without the cell whose apical dendrite is cut

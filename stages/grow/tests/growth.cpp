@@ -61,12 +61,7 @@ void check_bars(const World &world, const Grown &grown, double start_tolerance) 
   }
 }
 
-void one_cell_in_empty_space(double smoothing) {
-  World world;
-  world.make_box(60, true);
-  world.add_cell({30, 30, 30}, 5.0);
-  world.add_random_trees(6, 12, 90, 0.4, 3);
-  world.make_network(1.0, 0.2, 1.25);
+void one_cell_in_empty_space(const World &world, double smoothing) {
   Parameters parameters;
   parameters.smoothing = smoothing;
   parameters.lambda_per_um = 20.0; // forks where they are asked
@@ -196,8 +191,13 @@ void cancelled() {
 } // namespace
 
 int main() {
-  one_cell_in_empty_space(0.5);
-  one_cell_in_empty_space(0.0);
+  World world;
+  world.make_box(44, true);
+  world.add_cell({22, 22, 22}, 5.0);
+  world.add_random_trees(6, 10, 80, 0.35, 3);
+  world.make_network(1.0, 0.2, 1.25);
+  one_cell_in_empty_space(world, 0.5);
+  one_cell_in_empty_space(world, 0.0);
   head_on();
   through_the_face();
   jam();

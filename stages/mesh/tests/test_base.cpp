@@ -41,21 +41,33 @@ SceneOptions step(double h) {
   return options;
 }
 
-void ball_converges_with_order_two() {
-  Tissue tissue = empty_box(16);
-  add_cell(tissue, {8.03, 7.9, 8.11}, 4);
-  double previous = 0;
+void balls_and_tubes_have_their_volume() {
   for (const double h : {0.8, 0.4, 0.2}) {
+    Tissue tissue = empty_box(16);
+    add_cell(tissue, {8.03, 7.9, 8.11}, 4);
     const Meshed mesh = mesh_of(tissue, step(h));
     CHECK(sound(mesh.surfaces, tissue.box));
     CHECK_EQUAL(euler_characteristic(mesh.surfaces[0]), 2);
-    const double volume = volume_of(mesh.surfaces[0]), error = std::fabs(volume / (4.0 / 3 * pi * 64) - 1);
-    CHECK_NEAR(volume, 4.0 / 3 * pi * 64, 0.02 * h / 0.2 * 4.0 / 3 * pi * 64);
-    CHECK_NEAR(area_of(mesh.surfaces[0]), 4 * pi * 16, 0.02 * 4 * pi * 16 * h / 0.2);
-    if (previous > 0) CHECK(error < 0.35 * previous); // a quarter, but for the snap
-    previous = error;
+    const double exact = 4.0 / 3 * pi * 64, area = 4 * pi * 16;
+    CHECK_NEAR(volume_of(mesh.surfaces[0]), exact, 0.02 * h * h * exact);
+    CHECK_NEAR(area_of(mesh.surfaces[0]), area, 0.02 * h * area);
   }
-  CHECK(previous < 2e-3);
+  // A tube's loss depends on its direction to the grid by about 2 %; the correction holds in the mean.
+  for (const double radius : {0.3, 0.5}) {
+    double mean = 0;
+    const int count = 12;
+    for (int turn = 0; turn < count; turn++) {
+      conceg_rng rng = conceg_rng_stream(9, "test.tube", static_cast<std::uint64_t>(turn));
+      Tissue tissue = empty_box(9);
+      const glm::dvec3 along = 3.0 * random_direction(rng), centre(4.5 + conceg_rng_uniform(&rng), 4.5, 4.5);
+      add_tube(tissue, centre - along, centre + along, radius);
+      const double exact = pi * radius * radius * 6 + 4.0 / 3 * pi * radius * radius * radius;
+      const double ratio = volume_of(mesh_of(tissue, step(radius / 2)).surfaces[0]) / exact;
+      CHECK_NEAR(ratio, 1, 0.025);
+      mean += ratio / count;
+    }
+    CHECK_NEAR(mean, 1, 0.006);
+  }
 }
 
 void tubes_that_cross_are_parted() {
@@ -191,7 +203,7 @@ void inflation_fills() {
 } // namespace
 
 int main() {
-  ball_converges_with_order_two();
+  balls_and_tubes_have_their_volume();
   tubes_that_cross_are_parted();
   tube_meets_its_own_image();
   four_cells_in_one_voxel();

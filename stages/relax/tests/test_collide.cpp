@@ -14,7 +14,8 @@ namespace {
 
 bool same(const std::vector<Pair> &x, const std::vector<Pair> &y) {
   return x.size() == y.size() && std::equal(x.begin(), x.end(), y.begin(), [](const Pair &p, const Pair &q) {
-           return p.e == q.e && p.f == q.f && p.lift[0] == q.lift[0] && p.lift[1] == q.lift[1] && p.lift[2] == q.lift[2];
+           return p.e == q.e && p.f == q.f && p.lift[0] == q.lift[0] && p.lift[1] == q.lift[1] &&
+                  p.lift[2] == q.lift[2];
          });
 }
 
@@ -32,10 +33,13 @@ std::vector<Pair> by_brute_force(const Bodies &bodies, const conceg_box &box, do
             const Pair pair = {e, f, {x, y, z}};
             RoundCone first, second;
             cones_of(bodies, pair, bodies.radius, sides, first, second);
-            const double thick = std::max(first.radius_a, first.radius_b) + std::max(second.radius_a, second.radius_b);
+            const double thick =
+                std::max(first.radius_a, first.radius_b) + std::max(second.radius_a, second.radius_b);
             first.radius_a = first.radius_b = second.radius_a = second.radius_b = 0;
             if (closest_axes(first, second).gap - thick >= reach) continue;
-            if (same_copy(pair) && bodies.elements[e].cell == bodies.elements[f].cell && near_in_tree(bodies, e, f)) continue;
+            if (same_copy(pair) && bodies.elements[e].cell == bodies.elements[f].cell &&
+                near_in_tree(bodies, e, f))
+              continue;
             pairs.push_back(pair);
           }
   return pairs;
@@ -78,10 +82,12 @@ void neighbours_are_one_body() {
   Skeletons s;
   scene::add_cable(s, glm::dvec3(0), glm::dvec3(0.1, 0, 0), 100, 0.4f);
   CHECK(scene::find(make_bodies(s, 0.1), scene::box_of(100), 0.2).empty());
-  // A hairpin: the cable comes back along itself. Planted: without the tree's distance it would count as neighbours.
+  // A hairpin: the cable comes back along itself. Planted: without the tree's distance it would count as
+  // neighbours.
   s = {};
   scene::add_cable(s, glm::dvec3(0), glm::dvec3(0.5, 0, 0), 40, 0.4f);
-  for (int i = 20; i < 40; i++) s.position[static_cast<std::size_t>(i)] = glm::dvec3(10 - 0.5 * (i - 20), 0.3, 0);
+  for (int i = 20; i < 40; i++)
+    s.position[static_cast<std::size_t>(i)] = glm::dvec3(10 - 0.5 * (i - 20), 0.3, 0);
   CHECK(!scene::find(make_bodies(s, 0.1), scene::box_of(100), 0).empty());
 }
 
@@ -89,17 +95,20 @@ void exact_distance_of_cones() {
   conceg_rng rng = conceg_rng_stream(3, "test.cones", 0);
   double worst = 0;
   for (int n = 0; n < 300; n++) {
-    const auto point = [&] { return 2.0 * glm::dvec3(conceg_rng_uniform(&rng), conceg_rng_uniform(&rng), conceg_rng_uniform(&rng)); };
+    const auto point = [&] {
+      return 2.0 * glm::dvec3(conceg_rng_uniform(&rng), conceg_rng_uniform(&rng), conceg_rng_uniform(&rng));
+    };
     const auto radius = [&] { return 0.1 + 0.5 * conceg_rng_uniform(&rng); };
     RoundCone a = {point(), point(), radius(), radius()}, b = {point(), point(), radius(), radius()};
     if (n % 10 == 0) b.a = a.a + glm::dvec3(0, 0, 1), b.b = a.b + glm::dvec3(0, 0, 1); // parallel
-    if (n % 10 == 1) b.b = b.a;                                                       // a ball
+    if (n % 10 == 1) b.b = b.a;                                                        // a ball
     double least = 1e9;
     for (int i = 0; i <= 200; i++)
       for (int j = 0; j <= 200; j++) {
         const double s = i / 200.0, t = j / 200.0;
-        least = std::min(least, glm::distance(a.a + s * (a.b - a.a), b.a + t * (b.b - b.a)) - a.radius_a - s * (a.radius_b - a.radius_a) -
-                                    b.radius_a - t * (b.radius_b - b.radius_a));
+        least =
+            std::min(least, glm::distance(a.a + s * (a.b - a.a), b.a + t * (b.b - b.a)) - a.radius_a -
+                                s * (a.radius_b - a.radius_a) - b.radius_a - t * (b.radius_b - b.radius_a));
       }
     const double gap = closest_cones(a, b).gap;
     CHECK(gap <= least + 1e-9);

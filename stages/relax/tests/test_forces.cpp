@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Forces and motion: known geometry, volume weights, no drift, pinned roots, equal bytes for any number of threads.
-#include "check.h"
+// Forces and motion: known geometry, volume weights, no drift, pinned roots, equal bytes for any number of
+// threads.
 #include "../relax.hpp"
 #include "../spheres.hpp"
+#include "check.h"
 #include "scene.hpp"
 
 #include <cstring>
@@ -12,7 +13,8 @@ using namespace conceg::relax;
 
 namespace {
 
-std::vector<glm::dvec3> pair_forces(const Bodies &bodies, const conceg_box &box, const Strength &strength, unsigned threads = 1) {
+std::vector<glm::dvec3> pair_forces(const Bodies &bodies, const conceg_box &box, const Strength &strength,
+                                    unsigned threads = 1) {
   Workers workers(threads);
   PairForces forces;
   forces.set_pairs(bodies, scene::find(bodies, box, 0.5, threads));
@@ -35,20 +37,25 @@ void volumes_8_to_1() {
   strength.attraction = 0;
   const std::vector<glm::dvec3> force = pair_forces(bodies, scene::box_of(40), strength);
   glm::dvec3 thick(0), thin(0);
-  for (std::size_t i = 0; i < 41; i++) thick += force[i], thin += force[41 + i];
+  for (std::size_t i = 0; i < 41; i++)
+    thick += force[i], thin += force[41 + i];
   CHECK(thick.z < 0 && thin.z > 0);
   CHECK_NEAR(-thin.z / thick.z, 8, 1e-5);
   CHECK_NEAR(8 * thick.z + thin.z, 0, 1e-6); // momentum
 }
 
 void no_drift() {
-  // Equal radii, so equal volumes: what one body gets the other loses. Pairs with a (pinned) root are left out.
+  // Equal radii, so equal volumes: what one body gets the other loses. Pairs with a (pinned) root are left
+  // out.
   Skeletons s = scene::random_cells(11, 5, 240, 14, 0, 0.4f);
-  for (float &r : s.target_radius) r = 0.4f;
+  for (float &r : s.target_radius)
+    r = 0.4f;
   const Bodies bodies = make_bodies(s, 0.1);
   std::vector<Pair> pairs;
   for (const Pair &p : scene::find(bodies, scene::box_of(14), 0.5)) {
-    const auto inner = [&](std::uint32_t e) { return bodies.parent[e] >= 0 && bodies.parent[static_cast<std::size_t>(bodies.parent[e])] >= 0; };
+    const auto inner = [&](std::uint32_t e) {
+      return bodies.parent[e] >= 0 && bodies.parent[static_cast<std::size_t>(bodies.parent[e])] >= 0;
+    };
     if (inner(p.e) && inner(p.f)) pairs.push_back(p);
   }
   CHECK(pairs.size() > 100);
@@ -59,12 +66,14 @@ void no_drift() {
   forces.add(bodies, Strength(), glm::dvec3(14), workers, force);
   glm::dvec3 sum(0);
   double size = 0;
-  for (const glm::dvec3 &f : force) sum += f, size += glm::length(f);
+  for (const glm::dvec3 &f : force)
+    sum += f, size += glm::length(f);
   CHECK(size > 1);
   CHECK(glm::length(sum) < 1e-10 * size);
   std::vector<glm::dvec3> shape(bodies.points, glm::dvec3(0));
   add_shape_forces(bodies, Strength(), workers, shape);
-  for (const glm::dvec3 &f : shape) CHECK(glm::length(f) < 1e-12); // at rest at the start
+  for (const glm::dvec3 &f : shape)
+    CHECK(glm::length(f) < 1e-12); // at rest at the start
 }
 
 void crossing_cables_separate() {
@@ -75,14 +84,17 @@ void crossing_cables_separate() {
   Collider collider(2);
   Motion motion;
   const Moved moved = move_bodies(bodies, box, Strength(), motion, collider, workers, {});
-  const Certificate after = certify(bodies, scene::find(bodies, box, 0.2), side(box), 0.04, bodies.radius, workers);
-  printf("crossing cables: smallest gap %.4f um after %d iterations, cable %.3f -> %.3f um\n", after.smallest_gap,
-         motion.iterations, moved.length_before, moved.length_after);
-  CHECK(certify(before, scene::find(before, box, 0.2), side(box), 0.04, before.radius, workers).smallest_gap < -0.85);
+  const Certificate after =
+      certify(bodies, scene::find(bodies, box, 0.2), side(box), 0.04, bodies.radius, workers);
+  printf("crossing cables: smallest gap %.4f um after %d iterations, cable %.3f -> %.3f um\n",
+         after.smallest_gap, motion.iterations, moved.length_before, moved.length_after);
+  CHECK(certify(before, scene::find(before, box, 0.2), side(box), 0.04, before.radius, workers).smallest_gap <
+        -0.85);
   CHECK(after.smallest_gap > 0);
   CHECK_NEAR(moved.length_after / moved.length_before, 1, 0.03);
   CHECK(moved.rebuilds >= 1 && moved.rebuilds < 80);
-  CHECK(bodies.position[0] == before.position[0] && bodies.position[41] == before.position[41]); // pinned roots
+  CHECK(bodies.position[0] == before.position[0] &&
+        bodies.position[41] == before.position[41]); // pinned roots
   CHECK(bodies.parent == before.parent);
 }
 
@@ -96,7 +108,8 @@ void open_box_keeps_points() {
   Collider collider(1);
   move_bodies(bodies, box, Strength(), Motion(), collider, workers, {});
   for (const glm::dvec3 &p : bodies.position)
-    for (int a = 0; a < 3; a++) CHECK(p[a] >= 0 && p[a] <= 10);
+    for (int a = 0; a < 3; a++)
+      CHECK(p[a] >= 0 && p[a] <= 10);
 }
 
 void same_bytes() {

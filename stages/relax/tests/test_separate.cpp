@@ -16,7 +16,8 @@ constexpr double gap = 0.04;
 Certificate look(const Bodies &bodies, const conceg_box &box, const std::vector<double> &radius) {
   Workers workers(2);
   Collider collider(2);
-  return certify(bodies, collider.find(bodies, radius, box, 0.2, workers).pairs, side(box), gap, radius, workers);
+  return certify(bodies, collider.find(bodies, radius, box, 0.2, workers).pairs, side(box), gap, radius,
+                 workers);
 }
 
 std::vector<double> cut(const Bodies &bodies, const conceg_box &box, unsigned threads, Cut &result) {
@@ -50,18 +51,21 @@ void parallel_cables_share_the_room() {
 
 void random_cells_come_apart() {
   const conceg_box box = scene::box_of(16);
-  // Cells that ignore each other cross axis to axis; there the least radius is kept and the overlap is reported.
+  // Cells that ignore each other cross axis to axis; there the least radius is kept and the overlap is
+  // reported.
   const Bodies bodies = make_bodies(scene::random_cells(21, 4, 400, 16, 1.5f, 0.4f), 0.1);
   const Certificate before = look(bodies, box, bodies.radius);
   Cut result;
   const std::vector<double> radius = cut(bodies, box, 1, result);
   const Certificate after = look(bodies, box, radius);
-  printf("overlapping pairs %llu -> %llu, largest overlap %.3f -> %.3f um, %llu sweeps\n", (unsigned long long)before.overlapping,
-         (unsigned long long)after.overlapping, before.largest_overlap, after.largest_overlap, (unsigned long long)result.sweeps);
+  printf("overlapping pairs %llu -> %llu, largest overlap %.3f -> %.3f um, %llu sweeps\n",
+         (unsigned long long)before.overlapping, (unsigned long long)after.overlapping,
+         before.largest_overlap, after.largest_overlap, (unsigned long long)result.sweeps);
   CHECK(before.overlapping > 100 && before.foreign > 0 && before.images > 0);
   CHECK(after.overlapping < before.overlapping / 4);
   CHECK(result.constricted > 0 && result.sweeps < 200);
-  for (std::size_t i = 0; i < bodies.points; i++) CHECK(radius[i] >= bodies.floor[i] && radius[i] <= bodies.radius[i]);
+  for (std::size_t i = 0; i < bodies.points; i++)
+    CHECK(radius[i] >= bodies.floor[i] && radius[i] <= bodies.radius[i]);
   // What overlaps still is at its least radius on both sides (or a soma, or its neighbour in the cone is).
   for (const Pair &pair : scene::find(bodies, box, gap)) {
     RoundCone first, second;
@@ -69,8 +73,10 @@ void random_cells_come_apart() {
     const Closest at = closest_cones(first, second);
     if (at.gap >= gap - 1e-6) continue;
     const Element &e = bodies.elements[pair.e], &f = bodies.elements[pair.f];
-    const double spare = (1 - at.s) * (radius[e.radius_a] - bodies.floor[e.radius_a]) + at.s * (radius[e.radius_b] - bodies.floor[e.radius_b]) +
-                         (1 - at.t) * (radius[f.radius_a] - bodies.floor[f.radius_a]) + at.t * (radius[f.radius_b] - bodies.floor[f.radius_b]);
+    const double spare = (1 - at.s) * (radius[e.radius_a] - bodies.floor[e.radius_a]) +
+                         at.s * (radius[e.radius_b] - bodies.floor[e.radius_b]) +
+                         (1 - at.t) * (radius[f.radius_a] - bodies.floor[f.radius_a]) +
+                         at.t * (radius[f.radius_b] - bodies.floor[f.radius_b]);
     CHECK(spare < 1e-3);
   }
   for (unsigned threads = 2; threads <= 3; threads++) {

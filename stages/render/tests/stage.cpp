@@ -76,8 +76,10 @@ static void pictures() {
   CHECK_EQUAL(run(true, false, {"dir=" + dir_of("cones"), "what=cells", "size_px=150"}), CONCEG_OK);
   check_picture(dir_of("cones/cells.png"), 150);
   CHECK(!fs::exists(dir_of("cones/cut.png")));
-  CHECK_EQUAL(run(true, true, {"dir=" + dir_of("single"), "cells=id:30", "of=skeleton", "cut_axis=z"}), CONCEG_OK);
+  CHECK_EQUAL(run(true, true, {"dir=" + dir_of("single"), "cells=id:30", "of=skeleton"}), CONCEG_OK);
   check_picture(dir_of("single/cell_0002.png"), 240);
+  CHECK(!fs::exists(dir_of("single/cell_0002_cut.png")));
+  CHECK_EQUAL(run(true, true, {"dir=" + dir_of("single"), "cells=2", "what=cut", "cut_axis=z"}), CONCEG_OK);
   check_picture(dir_of("single/cell_0002_cut.png"), 240);
   CHECK_EQUAL(run(false, true, {"dir=" + dir_of("whole"), "whole=true", "samples=1", "elevation_deg=90"}), CONCEG_OK);
   check_picture(dir_of("whole/cells.png"), 240);

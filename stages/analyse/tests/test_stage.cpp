@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The analyse stage as the host runs it: tables of a small tissue, with and without meshes; clear errors.
+#include "../../common/tests/tissue.hpp"
+#include "conceg/conceg.h"
+
+#include "check.h"
+
+#include <cmath>
+#include <string>
+
+using namespace conceg;
+
+extern "C" const conceg_stage conceg_stage_analyse;
+
+namespace {
+
+struct Run {
+  conceg_status status = CONCEG_OK;
+  std::string error, bytes, log;
+  std::vector<std::string> names;
+  std::vector<double> values;
+  double value(const char *name) const {
+    for (std::size_t i = 0; i < names.size(); i++)
+      if (names[i] == name) return values[i];
+    return NAN;
+  }
+};
+
+void keep_line(void *user, conceg_log_level, const char *line) {
+  static_cast<std::string *>(user)->append(line).append("\n");
+}
+
+template <class Spoil> Run run(std::uint32_t threads, bool skeleton, bool meshes, Spoil spoil) {
+  Run out;
+  conceg_ctx *ctx = conceg_ctx_new();
+  conceg_ctx_set_threads(ctx, threads);
+  conceg_ctx_set_log(ctx, CONCEG_LOG_INFO, keep_line, &out.log);
+  conceg_doc *doc = nullptr;
+  conceg_params *params = nullptr;
+  CHECK_EQUAL(conceg_doc_new(ctx, &doc), CONCEG_OK);
+  testing::put_domain(doc);
+  testing::put_cells(doc);
+  if (skeleton) testing::put_skeleton(doc);
+  if (meshes) testing::put_meshes(doc, 4);
+  spoil(doc);
+  const char *sets[] = {"analyse.points=50000", nullptr};
+  CHECK_EQUAL(conceg_params_new(ctx, &conceg_stage_analyse, doc, nullptr, sets, nullptr, &params), CONCEG_OK);
+  out.status = conceg_stage_run(ctx, &conceg_stage_analyse, doc, params);
+  out.error = conceg_ctx_error(ctx);
+  if (out.status == CONCEG_OK) {
+    void *bytes = nullptr;
+    size_t count = 0;
+    CHECK_EQUAL(conceg_doc_to_memory(doc, &bytes, &count), CONCEG_OK);
+    out.bytes.assign(static_cast<const char *>(bytes), count);
+    conceg_free(bytes);
+    out.names = texts(doc, "/statistics/summary/name");
+    const View<double> values = view<double>(doc, "/statistics/summary/value");
+    out.values.assign(values.begin(), values.end());
+  }
+  conceg_params_free(params);
+  CHECK_EQUAL(conceg_doc_close(doc), CONCEG_OK);
+  conceg_ctx_free(ctx);
+  return out;
+}
+
+void nothing(conceg_doc *) {}
+
+void tables() {
+  const Run all = run(1, true, true, nothing);
+  if (all.status != CONCEG_OK) fprintf(stderr, "%s\n", all.error.c_str());
+  CHECK_EQUAL(all.status, CONCEG_OK);
+  const double balls = 4.0 / 3 * 3.14159265358979323846 * (64 + 27 + 8) / 8000;
+  CHECK_NEAR(all.value("icvf_mesh"), balls, 0.001);
+  CHECK_NEAR(all.value("soma_fraction"), balls, 0.001);
+  CHECK_NEAR(all.value("icvf_points"), balls, 5 * all.value("icvf_points_standard_error"));
+  CHECK_NEAR(all.value("cells"), 3, 0);
+  CHECK(all.value("cable") > 30);
+  CHECK(all.value("neurite_fraction") > 0.001);
+  CHECK(all.log.find("icvf_mesh") != std::string::npos);
+  CHECK(all.log.find("no /bars") != std::string::npos); // what is missing is named
+  CHECK(all.bytes == run(2, true, true, nothing).bytes);
+  CHECK(all.bytes == run(3, true, true, nothing).bytes);
+}
+
+void without_meshes() {
+  const Run plain = run(2, true, false, nothing);
+  CHECK_EQUAL(plain.status, CONCEG_OK);
+  CHECK(std::isnan(plain.value("icvf_mesh")) && plain.value("icvf_field") > 0.05);
+  CHECK(plain.log.find("no /meshes") != std::string::npos);
+  const Run bare = run(2, false, false, nothing);
+  CHECK_EQUAL(bare.status, CONCEG_OK);
+  CHECK_NEAR(bare.value("cells"), 3, 0);
+}
+
+void disagreement_is_warned_about() {
+  // Spheres of the skeleton larger than the meshes by half.
+  const Run off = run(1, true, true, [](conceg_doc *doc) {
+    put(doc, "/cells/radius", std::vector<float>{6, 4, 3});
+  });
+  CHECK_EQUAL(off.status, CONCEG_OK);
+  CHECK(off.log.find("measures differ") != std::string::npos);
+}
+
+void planted_defects() {
+  const Run inside_out = run(1, true, true, [](conceg_doc *doc) {
+    const View<std::uint32_t> face = view<std::uint32_t>(doc, "/meshes/face", 3);
+    std::vector<std::uint32_t> turned(face.begin(), face.end());
+    for (std::size_t f = 0; f < turned.size(); f += 3)
+      std::swap(turned[f], turned[f + 1]);
+    put(doc, "/meshes/face", turned, 3);
+  });
+  CHECK_EQUAL(inside_out.status, CONCEG_E_FORMAT);
+  CHECK(inside_out.error.find("surface 0 (cell 0)") != std::string::npos);
+  const Run beyond = run(1, true, true, [](conceg_doc *doc) {
+    put(doc, "/meshes/cell", std::vector<std::uint32_t>{0, 1, 7});
+  });
+  CHECK(beyond.status != CONCEG_OK);
+  CHECK(beyond.error.find("/meshes/cell[2]") != std::string::npos);
+}
+
+} // namespace
+
+int main() {
+  tables();
+  without_meshes();
+  disagreement_is_warned_about();
+  planted_defects();
+  return check_done();
+}

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The stage on a document: valid output, the same bytes for any number of threads, clear errors for broken input.
+#include "check.h"
+#include "conceg/run.h"
+#include "view.hpp"
+#include "world.hpp"
+
+#include <functional>
+#include <string>
+
+extern "C" const conceg_stage conceg_stage_grow;
+
+namespace {
+
+World small_world() {
+  World world;
+  world.make_box(20, true);
+  world.add_cell({5, 5, 5}, 2.5);
+  world.add_random_trees(3, 5, 40, 0.4, 1);
+  world.add_cell({14, 14, 14}, 2.5);
+  world.add_random_trees(3, 5, 40, 0.4, 2);
+  world.make_network(1.0, 0.2, 1.25);
+  return world;
+}
+
+void fill(conceg_doc *doc, const World &world) {
+  using conceg::put;
+  put(doc, "/domain@lo", world.box.lo, 3);
+  put(doc, "/domain@hi", world.box.hi, 3);
+  put(doc, "/domain@periodic", world.box.periodic, 3);
+  const double pia[3] = {0, 0, 1};
+  put(doc, "/domain@pia", pia, 3);
+  conceg::put_scalar(doc, "/domain@lattice_step", CONCEG_LATTICE_STEP_UM);
+  conceg::put_texts(doc, "/types/name", {"made up"});
+  conceg::put_texts(doc, "/types/class", {"other"});
+  put(doc, "/cells/id", world.cell_id);
+  put(doc, "/cells/type", std::vector<std::uint32_t>(world.cell_id.size(), 0));
+  put(doc, "/cells/soma", world.soma, 3);
+  put(doc, "/cells/radius", world.soma_radius);
+  put(doc, "/bars/cell_offset", world.bar_offset);
+  put(doc, "/bars/tree", world.tree);
+  put(doc, "/bars/parent", world.parent);
+  put(doc, "/bars/neurite", world.neurite);
+  put(doc, "/bars/asked_start", world.start);
+  put(doc, "/bars/asked_end", world.end);
+  put(doc, "/bars/attractor", world.attractor, 3);
+  put(doc, "/bars/angle", world.angle);
+  put(doc, "/bars/radius", world.radius);
+  put(doc, "/bars/taper", world.taper);
+  put(doc, "/bars/radius_floor", world.floor);
+  put(doc, "/bars/state", std::vector<std::uint8_t>(world.tree.size(), 0));
+  put(doc, "/network/position", world.node, 3);
+  put(doc, "/network/radius", world.node_radius);
+  put(doc, "/network/edge_offset", world.edge_offset);
+  put(doc, "/network/edge", world.edge);
+  put(doc, "/network/edge_shift", world.edge_shift, 3);
+}
+
+struct Outcome {
+  conceg_status status;
+  std::string error, skeleton, bars;
+  bool network_left = false, valid = false;
+  std::uint32_t workers = 0;
+};
+
+Outcome run(const World &world, std::uint32_t threads, conceg_progress_fn progress = nullptr) {
+  Outcome outcome;
+  conceg_ctx *ctx = conceg_ctx_new();
+  conceg_ctx_set_threads(ctx, threads);
+  if (progress) conceg_ctx_set_progress(ctx, progress, nullptr);
+  conceg_doc *doc = nullptr;
+  conceg_params *params = nullptr;
+  CHECK_EQUAL(conceg_doc_new(ctx, &doc), CONCEG_OK);
+  fill(doc, world);
+  CHECK_EQUAL(conceg_params_new(ctx, &conceg_stage_grow, doc, nullptr, nullptr, nullptr, &params), CONCEG_OK);
+  outcome.status = conceg_stage_run(ctx, &conceg_stage_grow, doc, params);
+  outcome.error = conceg_ctx_error(ctx);
+  if (outcome.status == CONCEG_OK) {
+    char hex[65];
+    CHECK_EQUAL(conceg_doc_digest(doc, "/skeleton", hex), CONCEG_OK);
+    outcome.skeleton = hex;
+    CHECK_EQUAL(conceg_doc_digest(doc, "/bars", hex), CONCEG_OK);
+    outcome.bars = hex;
+    outcome.network_left = conceg_doc_has(doc, "/network") != 0;
+    outcome.valid = conceg_doc_validate(doc, "/skeleton", nullptr, nullptr) == CONCEG_OK &&
+                    conceg_doc_validate(doc, "/bars", nullptr, nullptr) == CONCEG_OK;
+    const std::uint64_t *values = nullptr;
+    for (std::uint32_t i = 0; i < conceg_ctx_counters(ctx); i++)
+      if (std::string(conceg_ctx_counter(ctx, i, &values, &outcome.workers)) == "grow.steps") break;
+  }
+  conceg_params_free(params);
+  CHECK_EQUAL(conceg_doc_close(doc), CONCEG_OK);
+  conceg_ctx_free(ctx);
+  return outcome;
+}
+
+void breaks(const char *says, conceg_status expected, const std::function<void(World &)> &change) {
+  World world = small_world();
+  change(world);
+  const Outcome outcome = run(world, 1);
+  CHECK_EQUAL(outcome.status, expected);
+  if (outcome.error.find(says) == std::string::npos) fprintf(stderr, "expected \"%s\" in \"%s\"\n", says, outcome.error.c_str());
+  CHECK(outcome.error.find(says) != std::string::npos);
+}
+
+} // namespace
+
+int main() {
+  const World world = small_world();
+  const Outcome one = run(world, 1), two = run(world, 2), three = run(world, 3);
+  CHECK_EQUAL(one.status, CONCEG_OK);
+  CHECK(one.valid);
+  CHECK(!one.network_left);
+  CHECK(one.skeleton == two.skeleton && one.skeleton == three.skeleton);
+  CHECK(one.bars == two.bars && one.bars == three.bars);
+  CHECK_EQUAL(two.workers, 2);
+
+  const auto stop = [](void *, const char *, std::uint64_t, std::uint64_t) { return 1; };
+  CHECK_EQUAL(run(world, 2, stop).status, CONCEG_E_CANCELLED);
+
+  breaks("/network/edge[7]", CONCEG_E_RANGE, [](World &w) { w.edge[7] = 4000000000u; });
+  breaks("/network/edge_offset[4]", CONCEG_E_RANGE, [](World &w) { w.edge_offset[4] = 0; });
+  breaks("/network/position[3]", CONCEG_E_RANGE, [](World &w) { w.node[10] = 21.0; });
+  breaks("/bars/parent[1]", CONCEG_E_RANGE, [](World &w) { w.parent[1] = 1; });
+  breaks("/bars/parent[1]", CONCEG_E_RANGE, [](World &w) { w.parent[1] = -1; });
+  breaks("/bars/asked_end[2]", CONCEG_E_RANGE, [](World &w) { w.end[2] = w.start[2]; });
+  breaks("/bars/attractor[5]", CONCEG_E_RANGE, [](World &w) { w.attractor[5] = 0.0 / 0.0 * w.attractor[5]; });
+  breaks("/bars/cell_offset[2]", CONCEG_E_RANGE, [](World &w) { w.bar_offset[2]++; });
+  breaks("/cells/soma[1]", CONCEG_E_RANGE, [](World &w) { w.soma[4] = -1.0; });
+  return check_done();
+}
