@@ -79,17 +79,18 @@ int tool_dump(int argc, char **argv) {
       {"rows", 0, "N", "at most N rows of each dataset", NULL, &rows, NULL},
       {NULL, 0, NULL, NULL, NULL, NULL, NULL}};
   const struct cli_program program = {.name = "conceg dump",
-                                      .usage = "[FILE.cgx] [options]",
+                                      .usage = "[GROUP] [FILE.cgx] [options]",
                                       .summary = "a document as text, in canonical order",
-                                      .example = "conceg dump cube.cgx --group /cells --rows 5",
+                                      .example = "conceg dump /cells cube.cgx --rows 5",
                                       .options = options,
-                                      .most_words = 1};
+                                      .most_words = 2};
   struct cli cli;
   unsigned long long limit = 0;
   int code = cli_begin(&cli, &program, argc, argv);
   if (code < 0 && rows && (sscanf(rows, "%llu", &limit) != 1 || *rows == '-'))
     code = cli_fail(&cli, EXIT_USAGE, "--rows %s: expected a whole number", rows);
+  if (code < 0 && cli.words.count == 2) group = cli.words.word[0];
   if (code < 0)
-    code = cli_close_stdout(&cli, dump_file(&cli, cli.words.count ? cli.words.word[0] : NULL, group, limit));
+    code = cli_close_stdout(&cli, dump_file(&cli, cli.words.count ? cli.words.word[cli.words.count - 1] : NULL, group, limit));
   return cli_end(&cli, code);
 }

@@ -7,7 +7,7 @@
 #include <string.h>
 
 struct report {
-  int as_json;
+  int as_json, quiet;
   struct json json;
   uint64_t errors, warnings;
 };
@@ -15,6 +15,7 @@ struct report {
 static void print_problem(void *user, const conceg_problem *problem) {
   struct report *report = user;
   const int is_error = problem->severity == 0;
+  if (report->quiet && !is_error) return;
   if (is_error)
     report->errors++;
   else
@@ -34,7 +35,7 @@ static void print_problem(void *user, const conceg_problem *problem) {
 }
 
 static int validate_file(struct cli *cli, const char *name, const char *group) {
-  struct report report = {.as_json = cli->json};
+  struct report report = {.as_json = cli->json, .quiet = cli->quiet};
   struct words arrays = {0};
   conceg_doc *doc = NULL;
   conceg_status status;
@@ -55,7 +56,7 @@ static int validate_file(struct cli *cli, const char *name, const char *group) {
     json_whole(&report.json, "warnings", report.warnings);
     json_flag(&report.json, "valid", code == EXIT_OK);
     json_close(&report.json, '}');
-  } else {
+  } else if (!report.quiet || code != EXIT_OK) {
     printf("%s: %s: %u arrays and attributes checked against CGX %u.%u, %llu errors, %llu warnings\n",
            name ? name : "standard input", code == EXIT_OK ? "valid" : "NOT VALID", arrays.count,
            CONCEG_CGX_MAJOR, CONCEG_CGX_MINOR, (unsigned long long)report.errors,

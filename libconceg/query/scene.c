@@ -24,15 +24,19 @@ static void image_corners(const conceg_query *query, const triangle_image *image
   const uint32_t *face = surface->face + 3 * (uint64_t)image->face;
   double shift[3];
   int k, axis;
-  for (axis = 0; axis < 3; axis++) shift[axis] = image->lift[axis] * (query->box.hi[axis] - query->box.lo[axis]);
+  for (axis = 0; axis < 3; axis++)
+    shift[axis] = image->lift[axis] * (query->box.hi[axis] - query->box.lo[axis]);
   for (k = 0; k < 3; k++) {
     const double *vertex = surface->vertex + 3 * (uint64_t)face[k];
-    for (axis = 0; axis < 3; axis++) corner[k][axis] = vertex[axis] + shift[axis];
+    for (axis = 0; axis < 3; axis++)
+      corner[k][axis] = vertex[axis] + shift[axis];
   }
 }
 
-/* Range of lifts at which the face's bounds meet the widened box; returns the number of images, or -1 beyond the limit. */
-static int64_t face_lifts(const conceg_query *query, const query_surface *surface, uint64_t face, int lo[3], int hi[3]) {
+/* Range of lifts at which the face's bounds meet the widened box; returns the number of images, or -1 beyond
+ * the limit. */
+static int64_t face_lifts(const conceg_query *query, const query_surface *surface, uint64_t face, int lo[3],
+                          int hi[3]) {
   int64_t count = 1;
   int axis, k;
   for (axis = 0; axis < 3; axis++) {
@@ -54,7 +58,8 @@ static int64_t face_lifts(const conceg_query *query, const query_surface *surfac
 }
 
 /* Visits every image of every face: counts them, and stores them when `images` is not NULL. */
-static conceg_status list_images(conceg_ctx *ctx, const conceg_query *query, triangle_image *images, uint64_t *count) {
+static conceg_status list_images(conceg_ctx *ctx, const conceg_query *query, triangle_image *images,
+                                 uint64_t *count) {
   uint64_t s, f, total = 0;
   int lo[3], hi[3], x, y, z;
   for (s = 0; s < query->surface_count; s++) {
@@ -62,8 +67,10 @@ static conceg_status list_images(conceg_ctx *ctx, const conceg_query *query, tri
     for (f = 0; f < surface->face_count; f++) {
       const int64_t more = face_lifts(query, surface, f, lo, hi);
       if (more < 0)
-        return conceg_ctx_fail(ctx, CONCEG_E_RANGE, "query: /meshes: expected surfaces within %d box sides, got face %llu of surface %llu",
-                               LIFT_LIMIT, (unsigned long long)f, (unsigned long long)s);
+        return conceg_ctx_fail(
+            ctx, CONCEG_E_RANGE,
+            "query: /meshes: expected surfaces within %d box sides, got face %llu of surface %llu",
+            LIFT_LIMIT, (unsigned long long)f, (unsigned long long)s);
       if (!images) {
         total += (uint64_t)more;
         continue;
@@ -82,12 +89,14 @@ static conceg_status list_images(conceg_ctx *ctx, const conceg_query *query, tri
 
 /* Bounds of all surfaces, the searched region, the margin and the reach. */
 static void measure(conceg_query *query) {
-  double size = 0.0, reach2 = 0.0, lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY};
+  double size = 0.0, reach2 = 0.0, lo[3] = {INFINITY, INFINITY, INFINITY},
+         hi[3] = {-INFINITY, -INFINITY, -INFINITY};
   uint64_t s, f;
   int axis, k;
   for (s = 0; s < query->surface_count; s++) {
     const query_surface *surface = &query->surfaces[s];
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, diagonal2 = 0.0;
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY},
+           diagonal2 = 0.0;
     for (f = 0; f < surface->face_count; f++)
       for (k = 0; k < 3; k++)
         for (axis = 0; axis < 3; axis++) {
@@ -119,14 +128,17 @@ static void image_bounds(const struct RTCBoundsFunctionArguments *arguments) {
   int axis;
   image_corners(query, &query->images[arguments->primID], corner);
   for (axis = 0; axis < 3; axis++) {
-    low[axis] = fmin(corner[0][axis], fmin(corner[1][axis], corner[2][axis])) - query->centre[axis] - query->margin;
-    high[axis] = fmax(corner[0][axis], fmax(corner[1][axis], corner[2][axis])) - query->centre[axis] + query->margin;
+    low[axis] =
+        fmin(corner[0][axis], fmin(corner[1][axis], corner[2][axis])) - query->centre[axis] - query->margin;
+    high[axis] =
+        fmax(corner[0][axis], fmax(corner[1][axis], corner[2][axis])) - query->centre[axis] + query->margin;
   }
   out->lower_x = round_down(low[0]), out->lower_y = round_down(low[1]), out->lower_z = round_down(low[2]);
   out->upper_x = round_up(high[0]), out->upper_y = round_up(high[1]), out->upper_z = round_up(high[2]);
 }
 
-/* One segment of a ray on its way through Embree; `context` comes first so that callbacks can reach the rest. */
+/* One segment of a ray on its way through Embree; `context` comes first so that callbacks can reach the rest.
+ */
 typedef struct traversal {
   struct RTCIntersectContext context;
   query_ray ray;
@@ -164,8 +176,10 @@ static void image_intersect(const struct RTCIntersectFunctionNArguments *argumen
   if (nearer(&hit, walk->first)) {
     *walk->second = *walk->first;
     *walk->first = hit;
-    /* Later candidates behind the hit are dropped, those within the margin are kept so that ties are seen in any order. */
-    ((struct RTCRayHit *)(void *)arguments->rayhit)->ray.tfar = round_up(distance - walk->start + 2.0 * query->margin);
+    /* Later candidates behind the hit are dropped, those within the margin are kept so that ties are seen in
+     * any order. */
+    ((struct RTCRayHit *)(void *)arguments->rayhit)->ray.tfar =
+        round_up(distance - walk->start + 2.0 * query->margin);
   } else if (nearer(&hit, walk->second) && hit.order != walk->first->order) {
     *walk->second = hit;
   }
@@ -175,11 +189,13 @@ static conceg_status make_images(conceg_ctx *ctx, conceg_query *query) {
   const conceg_status status = list_images(ctx, query, NULL, &query->image_count);
   if (status != CONCEG_OK) return status;
   if (query->image_count >= UINT32_MAX)
-    return conceg_ctx_fail(ctx, CONCEG_E_UNSUPPORTED, "query: /meshes: expected fewer than 4294967295 triangles in the box, got %llu",
+    return conceg_ctx_fail(ctx, CONCEG_E_UNSUPPORTED,
+                           "query: /meshes: expected fewer than 4294967295 triangles in the box, got %llu",
                            (unsigned long long)query->image_count);
   query->images = malloc(sizeof *query->images * (query->image_count ? query->image_count : 1));
   if (!query->images)
-    return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "query: out of memory for %llu triangles", (unsigned long long)query->image_count);
+    return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "query: out of memory for %llu triangles",
+                           (unsigned long long)query->image_count);
   return list_images(ctx, query, query->images, &query->image_count);
 }
 
@@ -191,11 +207,14 @@ conceg_status query_scene_build(conceg_ctx *ctx, conceg_query *query) {
   measure(query);
   status = make_images(ctx, query);
   if (status != CONCEG_OK) return status;
-  /* A number of threads given to Embree limits TBB in the whole process, so it is given only when it is asked for. */
-  if ((long)conceg_ctx_threads(ctx) < sysconf(_SC_NPROCESSORS_ONLN)) snprintf(config, sizeof config, "threads=%u", (unsigned)conceg_ctx_threads(ctx));
+  /* A number of threads given to Embree limits TBB in the whole process, so it is given only when it is asked
+   * for. */
+  if ((long)conceg_ctx_threads(ctx) < sysconf(_SC_NPROCESSORS_ONLN))
+    snprintf(config, sizeof config, "threads=%u", (unsigned)conceg_ctx_threads(ctx));
   query->device = rtcNewDevice(config);
   if (!query->device)
-    return conceg_ctx_fail(ctx, CONCEG_E_UNSUPPORTED, "query: Embree gave no device (error %d)", (int)rtcGetDeviceError(NULL));
+    return conceg_ctx_fail(ctx, CONCEG_E_UNSUPPORTED, "query: Embree gave no device (error %d)",
+                           (int)rtcGetDeviceError(NULL));
   query->scene = rtcNewScene(query->device);
   rtcSetSceneFlags(query->scene, RTC_SCENE_FLAG_ROBUST);
   geometry = rtcNewGeometry(query->device, RTC_GEOMETRY_TYPE_USER);
@@ -212,12 +231,14 @@ conceg_status query_scene_build(conceg_ctx *ctx, conceg_query *query) {
     return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "query: out of memory for the search tree of %llu triangles",
                            (unsigned long long)query->image_count);
   if (error != RTC_ERROR_NONE)
-    return conceg_ctx_fail(ctx, CONCEG_E_INTERNAL, "query: Embree failed to build the search tree (error %d)", (int)error);
+    return conceg_ctx_fail(ctx, CONCEG_E_INTERNAL, "query: Embree failed to build the search tree (error %d)",
+                           (int)error);
   return CONCEG_OK;
 }
 
 /* Part of [from, to] in which the ray lies between the search bounds of the open axes; 0 if there is none. */
-static int clip_to_open_axes(const conceg_query *query, const double origin[3], const double direction[3], double *from, double *to) {
+static int clip_to_open_axes(const conceg_query *query, const double origin[3], const double direction[3],
+                             double *from, double *to) {
   int axis;
   for (axis = 0; axis < 3; axis++) {
     double a, b;
@@ -243,15 +264,17 @@ static void trace_segment(const conceg_query *query, traversal *walk, double fro
   for (axis = 0; axis < 3; axis++)
     start[axis] = walk->ray.origin[axis] + from * walk->ray.direction[axis] - query->centre[axis];
   ray.ray.org_x = (float)start[0], ray.ray.org_y = (float)start[1], ray.ray.org_z = (float)start[2];
-  ray.ray.dir_x = (float)walk->ray.direction[0], ray.ray.dir_y = (float)walk->ray.direction[1], ray.ray.dir_z = (float)walk->ray.direction[2];
+  ray.ray.dir_x = (float)walk->ray.direction[0], ray.ray.dir_y = (float)walk->ray.direction[1],
+  ray.ray.dir_z = (float)walk->ray.direction[2];
   ray.ray.tnear = 0.0f, ray.ray.tfar = round_up(to - from + 2.0 * query->margin);
   ray.ray.time = 0.0f, ray.ray.mask = ~0u, ray.ray.id = 0, ray.ray.flags = 0;
-  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID, ray.hit.primID = RTC_INVALID_GEOMETRY_ID, ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID, ray.hit.primID = RTC_INVALID_GEOMETRY_ID,
+  ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(query->scene, &walk->context, &ray);
 }
 
-void query_scene_trace(const conceg_query *query, const double origin[3], const double direction[3], double length,
-                       scene_hit *first, scene_hit *second) {
+void query_scene_trace(const conceg_query *query, const double origin[3], const double direction[3],
+                       double length, scene_hit *first, scene_hit *second) {
   double wrapped[3], shifted[3], entered = 0.0;
   int64_t crossed[3] = {0, 0, 0};
   traversal walk;
@@ -261,7 +284,8 @@ void query_scene_trace(const conceg_query *query, const double origin[3], const 
   first->image = second->image = UINT32_MAX;
   rtcInitIntersectContext(&walk.context);
   walk.first = first, walk.second = second;
-  for (axis = 0; axis < 3; axis++) wrapped[axis] = shifted[axis] = conceg_box_wrap(&query->box, axis, origin[axis]);
+  for (axis = 0; axis < 3; axis++)
+    wrapped[axis] = shifted[axis] = conceg_box_wrap(&query->box, axis, origin[axis]);
   for (;;) {
     double left = INFINITY;
     int through = -1;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * The search structure: every triangle image that meets the box is one Embree user primitive with bounds rounded outward;
- * the intersect callback runs the double test. Cells leave the box unwrapped, so a triangle is listed at each lift where
- * it meets the box: about one image per triangle, and short rays never meet a long cell's bounds in vain. */
+ * The search structure: every triangle image that meets the box is one Embree user primitive with bounds
+ * rounded outward; the intersect callback runs the double test. Cells leave the box unwrapped, so a triangle
+ * is listed at each lift where it meets the box: about one image per triangle, and short rays never meet a
+ * long cell's bounds in vain. */
 #ifndef CONCEG_QUERY_SCENE_H
 #define CONCEG_QUERY_SCENE_H
 
@@ -31,10 +32,11 @@ struct conceg_query {
   uint64_t surface_count;
   triangle_image *images;
   uint64_t image_count;
-  double lo[3], hi[3];   /* what is searched: the box on periodic axes, the bounds of all surfaces on open ones */
-  double centre[3];      /* Embree sees coordinates relative to it */
-  double margin;         /* um by which Embree's bounds are widened: above every rounding of its floats */
-  double reach;          /* um: no surface is longer, so a ray of this length from inside a cell leaves the cell */
+  double lo[3],
+      hi[3];        /* what is searched: the box on periodic axes, the bounds of all surfaces on open ones */
+  double centre[3]; /* Embree sees coordinates relative to it */
+  double margin;    /* um by which Embree's bounds are widened: above every rounding of its floats */
+  double reach;     /* um: no surface is longer, so a ray of this length from inside a cell leaves the cell */
   RTCDevice device;
   RTCScene scene;
 };
@@ -52,7 +54,7 @@ typedef struct scene_hit {
 conceg_status query_scene_build(conceg_ctx *ctx, conceg_query *query);
 
 /* The two nearest hits of the ray within [0, length], over all periodic images. */
-void query_scene_trace(const conceg_query *query, const double origin[3], const double direction[3], double length,
-                       scene_hit *first, scene_hit *second);
+void query_scene_trace(const conceg_query *query, const double origin[3], const double direction[3],
+                       double length, scene_hit *first, scene_hit *second);
 
 #endif

@@ -23,7 +23,8 @@ static void shear(const query_ray *ray, const double p[3], double *x, double *y,
   *z = ray->sz * dz;
 }
 
-int query_ray_triangle(const query_ray *ray, const double a[3], const double b[3], const double c[3], double *distance) {
+int query_ray_triangle(const query_ray *ray, const double a[3], const double b[3], const double c[3],
+                       double *distance) {
   double ax, ay, az, bx, by, bz, cx, cy, cz, u, v, w, sum;
   shear(ray, a, &ax, &ay, &az);
   shear(ray, b, &bx, &by, &bz);

@@ -30,10 +30,12 @@ inline std::vector<CellInfo> select_cells(const conceg_substrate *substrate, con
   if (!all) {
     const std::string digits = by_id ? cells.substr(3) : cells;
     if (digits.empty() || digits.size() > 19 || digits.find_first_not_of("0123456789") != std::string::npos)
-      fail(CONCEG_E_PARAM, "cells: expected all, a row such as 7 or an id such as id:7, got \"%s\"", cells.c_str());
+      fail(CONCEG_E_PARAM, "cells: expected all, a row such as 7 or an id such as id:7, got \"%s\"",
+           cells.c_str());
     wanted = std::strtoull(digits.c_str(), nullptr, 10);
     if (!by_id && wanted >= count)
-      fail(CONCEG_E_RANGE, "cells: expected a row below %llu, got %s", static_cast<unsigned long long>(count), cells.c_str());
+      fail(CONCEG_E_RANGE, "cells: expected a row below %llu, got %s", static_cast<unsigned long long>(count),
+           cells.c_str());
   }
   std::vector<CellInfo> chosen;
   for (std::uint64_t row = 0; row < count; row++) {
@@ -43,13 +45,15 @@ inline std::vector<CellInfo> select_cells(const conceg_substrate *substrate, con
     if (!all && wanted != (by_id ? found.id : row)) continue;
     CellInfo cell;
     cell.row = row, cell.id = found.id, cell.type = found.type;
-    cell.type_name = found.type_name ? found.type_name : "", cell.class_name = found.class_name ? found.class_name : "";
+    cell.type_name = found.type_name ? found.type_name : "",
+    cell.class_name = found.class_name ? found.class_name : "";
     cell.soma = {found.soma[0], found.soma[1], found.soma[2]};
     cell.soma_radius = found.soma_radius;
     chosen.push_back(std::move(cell));
   }
   if (chosen.empty() && !all)
-    fail(CONCEG_E_RANGE, "cells: /cells/id: expected a cell with the id %llu, got none", static_cast<unsigned long long>(wanted));
+    fail(CONCEG_E_RANGE, "cells: /cells/id: expected a cell with the id %llu, got none",
+         static_cast<unsigned long long>(wanted));
   return chosen;
 }
 

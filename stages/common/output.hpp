@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Named output files that appear whole or not at all, for the stages that write other files than the document.
+// Named output files that appear whole or not at all, for the stages that write other files than the
+// document.
 #pragma once
 
 #include "guard.hpp"
@@ -18,7 +19,8 @@ namespace conceg {
 // One file under a temporary name in its own folder; commit() renames it into place, otherwise it is removed.
 class OutputFile {
 public:
-  explicit OutputFile(const std::string &path) : path_(path), temporary_(path + ".part" + std::to_string(getpid())) {
+  explicit OutputFile(const std::string &path)
+      : path_(path), temporary_(path + ".part" + std::to_string(getpid())) {
     const int descriptor = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (descriptor < 0) refuse(errno);
     file_ = fdopen(descriptor, "wb");
@@ -49,7 +51,9 @@ public:
   }
 
 private:
-  [[noreturn]] void refuse(int reason) const { fail(CONCEG_E_IO, "%s: cannot write: %s", path_.c_str(), std::strerror(reason)); }
+  [[noreturn]] void refuse(int reason) const {
+    fail(CONCEG_E_IO, "%s: cannot write: %s", path_.c_str(), std::strerror(reason));
+  }
   std::string path_, temporary_;
   std::FILE *file_ = nullptr;
 };
@@ -64,7 +68,8 @@ inline void make_folder(const std::string &path) {
   }
   struct stat found;
   if (stat(path.c_str(), &found) != 0 || !S_ISDIR(found.st_mode))
-    fail(CONCEG_E_IO, "%s: expected a folder to write into, got something else; choose another with dir", path.c_str());
+    fail(CONCEG_E_IO, "%s: expected a folder to write into, got something else; choose another with dir",
+         path.c_str());
   if (access(path.c_str(), W_OK | X_OK) != 0)
     fail(CONCEG_E_IO, "%s: cannot write into this folder: %s", path.c_str(), std::strerror(errno));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Images in the periodic box: cells are stored unwrapped and leave the box; what fills it are their images at every lift
-// (whole numbers of box sides added) at which a triangle or a segment meets the box.
+// Images in the periodic box: cells are stored unwrapped and leave the box; what fills it are their images at
+// every lift (whole numbers of box sides added) at which a triangle or a segment meets the box.
 #pragma once
 
 #include "wrap.hpp"
@@ -32,11 +32,13 @@ void for_each_lift(const conceg_box &box, const glm::dvec3 &low, const glm::dvec
     count *= std::max(0.0, to[axis] - from[axis] + 1.0);
   }
   if (!(count <= image_limit) || !(glm::abs(from.x) + glm::abs(from.y) + glm::abs(from.z) < image_limit))
-    fail(CONCEG_E_RANGE, "a piece of a cell reaches from (%g, %g, %g) to (%g, %g, %g) um: expected it near the box", low.x, low.y,
-         low.z, high.x, high.y, high.z);
+    fail(CONCEG_E_RANGE,
+         "a piece of a cell reaches from (%g, %g, %g) to (%g, %g, %g) um: expected it near the box", low.x,
+         low.y, low.z, high.x, high.y, high.z);
   for (int x = static_cast<int>(from.x); x <= static_cast<int>(to.x); x++)
     for (int y = static_cast<int>(from.y); y <= static_cast<int>(to.y); y++)
-      for (int z = static_cast<int>(from.z); z <= static_cast<int>(to.z); z++) body(glm::ivec3(x, y, z));
+      for (int z = static_cast<int>(from.z); z <= static_cast<int>(to.z); z++)
+        body(glm::ivec3(x, y, z));
 }
 
 // A triangle surface without its document: vertices in um and faces of local vertex numbers.
@@ -45,7 +47,8 @@ struct Surface {
   std::vector<glm::uvec3> face;
 };
 
-// The images of a surface in the box: every whole triangle that meets it, with the vertex and the face that each came from.
+// The images of a surface in the box: every whole triangle that meets it, with the vertex and the face that
+// each came from.
 struct TiledSurface : Surface {
   std::vector<std::uint32_t> source_vertex, source_face;
 };
@@ -60,8 +63,9 @@ inline TiledSurface tile(const conceg_box &box, const Surface &surface) {
   for (std::uint32_t f = 0; f < surface.face.size(); f++) {
     const glm::dvec3 &a = surface.vertex[surface.face[f].x], &b = surface.vertex[surface.face[f].y],
                      &c = surface.vertex[surface.face[f].z];
-    for_each_lift(box, glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c)),
-                  [&](const glm::ivec3 &at) { images.push_back({at, f}); });
+    for_each_lift(box, glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c)), [&](const glm::ivec3 &at) {
+      images.push_back({at, f});
+    });
   }
   std::sort(images.begin(), images.end(), [](const Image &p, const Image &q) {
     if (p.lift.x != q.lift.x) return p.lift.x < q.lift.x;
@@ -76,7 +80,8 @@ inline TiledSurface tile(const conceg_box &box, const Surface &surface) {
   std::size_t group_vertex = 0;
   for (std::size_t i = 0; i < images.size(); i++) {
     if (i > 0 && images[i].lift != images[i - 1].lift) {
-      for (std::size_t v = group_vertex; v < tiled.source_vertex.size(); v++) number[tiled.source_vertex[v]] = unused;
+      for (std::size_t v = group_vertex; v < tiled.source_vertex.size(); v++)
+        number[tiled.source_vertex[v]] = unused;
       group_vertex = tiled.source_vertex.size();
     }
     glm::uvec3 face(0u);

@@ -5,7 +5,8 @@ namespace conceg::exporting {
 
 OutputFolder::OutputFolder(const std::string &path) : path_(path) {
   if (path_.empty()) fail(CONCEG_E_PARAM, "dir: expected the name of a folder, got an empty text");
-  while (path_.size() > 1 && path_.back() == '/') path_.pop_back();
+  while (path_.size() > 1 && path_.back() == '/')
+    path_.pop_back();
   make_folder(path_);
 }
 
@@ -21,8 +22,9 @@ void OutputFolder::write_index() const {
   for (const Written &row : written_) {
     const bool one = row.cell >= 0;
     file.write(quoted_csv(row.file) + "," + row.what + "," + (one ? std::to_string(row.cell) : "") + "," +
-               (one ? std::to_string(row.id) : "") + "," + quoted_csv(row.type) + "," + quoted_csv(row.layer) + "," +
-               std::to_string(row.points) + "," + std::to_string(row.faces) + "\n");
+               (one ? std::to_string(row.id) : "") + "," + quoted_csv(row.type) + "," +
+               quoted_csv(row.layer) + "," + std::to_string(row.points) + "," + std::to_string(row.faces) +
+               "\n");
   }
   file.commit();
 }
@@ -49,10 +51,17 @@ std::string quoted_json(const std::string &text) {
       out += text[i];
     } else {
       std::uint32_t value = c >= 0xF0 ? c & 7u : c >= 0xE0 ? c & 15u : c >= 0xC0 ? c & 31u : c;
-      for (int more = c >= 0xF0 ? 3 : c >= 0xE0 ? 2 : c >= 0xC0 ? 1 : 0; more > 0 && i + 1 < text.size(); more--)
+      for (int more = c >= 0xF0   ? 3
+                      : c >= 0xE0 ? 2
+                      : c >= 0xC0 ? 1
+                                  : 0;
+           more > 0 && i + 1 < text.size(); more--)
         value = (value << 6) | (static_cast<unsigned char>(text[++i]) & 63u);
-      if (value > 0xffffu) std::snprintf(code, sizeof code, "\\u%04x\\u%04x", 0xd800u + ((value - 0x10000u) >> 10 & 0x3ffu), 0xdc00u + (value & 0x3ffu));
-      else std::snprintf(code, sizeof code, "\\u%04x", value);
+      if (value > 0xffffu)
+        std::snprintf(code, sizeof code, "\\u%04x\\u%04x", 0xd800u + ((value - 0x10000u) >> 10 & 0x3ffu),
+                      0xdc00u + (value & 0x3ffu));
+      else
+        std::snprintf(code, sizeof code, "\\u%04x", value);
       out += code;
     }
   }

@@ -12,8 +12,8 @@ namespace conceg::exporting {
 
 // What one written file holds.
 struct Written {
-  std::string file; // relative to the folder, with "/"
-  std::string what; // "skeleton", "surface", "surfaces", "volume"
+  std::string file;       // relative to the folder, with "/"
+  std::string what;       // "skeleton", "surface", "surfaces", "volume"
   std::int64_t cell = -1; // row of the cell, -1 = all
   std::uint64_t id = 0;
   std::string type, layer;

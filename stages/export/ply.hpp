@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// PLY files of triangle surfaces, made for the strictest readers: x y z and triangles only, no further property, comments
-// without the words that MC/DC takes for keywords. Coordinates are doubles, so that the file holds the very values that the
-// mesh stage checked.
+// PLY files of triangle surfaces, made for the strictest readers: x y z and triangles only, no further
+// property, comments without the words that MC/DC takes for keywords. Coordinates are doubles, so that the
+// file holds the very values that the mesh stage checked.
 #pragma once
 
 #include "output.hpp"
@@ -12,7 +12,9 @@
 
 namespace conceg::exporting {
 
-// Writes the surfaces as one PLY, binary little-endian or ASCII (MC/DC reads ASCII only). Comments go into the header.
-void write_ply(OutputFile &file, const std::vector<const Surface *> &surfaces, bool ascii, const std::vector<std::string> &comments);
+// Writes the surfaces as one PLY, binary little-endian or ASCII (MC/DC reads ASCII only). Comments go into
+// the header.
+void write_ply(OutputFile &file, const std::vector<const Surface *> &surfaces, bool ascii,
+               const std::vector<std::string> &comments);
 
 } // namespace conceg::exporting

@@ -10,11 +10,13 @@ namespace {
 template <class T> View<T> optional_column(conceg_doc *doc, const char *path, std::size_t rows) {
   if (!has(doc, path)) return {};
   const View<T> column = view<T>(doc, path);
-  if (column.rows() != rows) fail(CONCEG_E_FORMAT, "%s: expected %zu rows, got %zu", path, rows, column.rows());
+  if (column.rows() != rows)
+    fail(CONCEG_E_FORMAT, "%s: expected %zu rows, got %zu", path, rows, column.rows());
   return column;
 }
 
-template <class T> void copy_doubles(const View<T> &column, std::size_t from, std::size_t to, std::vector<double> &out) {
+template <class T>
+void copy_doubles(const View<T> &column, std::size_t from, std::size_t to, std::vector<double> &out) {
   if (column.data()) out.assign(column.data() + from, column.data() + to);
 }
 
@@ -43,7 +45,8 @@ Source::Source(conceg_doc *doc) : doc_(doc), box_(read_box(doc)) {
     found.size = sizeof found;
     must(conceg_substrate_mesh(substrate, mesh, &found));
     if (found.cell >= surfaces_of_.size())
-      fail(CONCEG_E_FORMAT, "/meshes/cell[%llu]: expected a cell below %zu, got %u", static_cast<unsigned long long>(mesh), surfaces_of_.size(), found.cell);
+      fail(CONCEG_E_FORMAT, "/meshes/cell[%llu]: expected a cell below %zu, got %u",
+           static_cast<unsigned long long>(mesh), surfaces_of_.size(), found.cell);
     surfaces_of_[found.cell].push_back(mesh);
   }
 }
@@ -63,14 +66,16 @@ Tree Source::tree(std::uint64_t cell) const {
   must(conceg_substrate_skeleton(substrate_.get(), cell, &found));
   Tree tree;
   tree.position.resize(found.count);
-  for (std::uint64_t i = 0; i < found.count; i++) tree.position[i] = {found.position[3 * i], found.position[3 * i + 1], found.position[3 * i + 2]};
+  for (std::uint64_t i = 0; i < found.count; i++)
+    tree.position[i] = {found.position[3 * i], found.position[3 * i + 1], found.position[3 * i + 2]};
   tree.radius.assign(found.radius, found.radius + found.count);
   tree.parent.assign(found.parent, found.parent + found.count);
   tree.kind.assign(found.kind, found.kind + found.count);
   tree.on_soma.assign(found.count, 1);
 
   const View<std::uint64_t> offset = view<std::uint64_t>(doc_, "/skeleton/cell_offset");
-  const std::size_t from = offset[cell], to = offset[cell + 1], rows = view<double>(doc_, "/skeleton/position", 3).rows();
+  const std::size_t from = offset[cell], to = offset[cell + 1],
+                    rows = view<double>(doc_, "/skeleton/position", 3).rows();
   copy_doubles(optional_column<float>(doc_, "/skeleton/target_radius", rows), from, to, tree.target_radius);
   copy_doubles(optional_column<std::uint32_t>(doc_, "/skeleton/bar", rows), from, to, tree.bar);
   copy_doubles(optional_column<std::uint32_t>(doc_, "/skeleton/branch", rows), from, to, tree.branch);
@@ -94,10 +99,13 @@ CellSurface Source::surface(std::uint64_t cell, bool wrapped) const {
     for (std::uint64_t i = 0; i < found.vertex_count; i++)
       out.surface.vertex.emplace_back(found.vertex[3 * i], found.vertex[3 * i + 1], found.vertex[3 * i + 2]);
     for (std::uint64_t i = 0; i < found.face_count; i++)
-      out.surface.face.emplace_back(found.face[3 * i] + base, found.face[3 * i + 1] + base, found.face[3 * i + 2] + base);
+      out.surface.face.emplace_back(found.face[3 * i] + base, found.face[3 * i + 1] + base,
+                                    found.face[3 * i + 2] + base);
     const std::size_t from = face_offset[mesh], to = face_offset[mesh + 1];
-    if (compartment.data()) out.compartment.insert(out.compartment.end(), compartment.data() + from, compartment.data() + to);
-    if (component.data()) out.component.insert(out.component.end(), component.data() + from, component.data() + to);
+    if (compartment.data())
+      out.compartment.insert(out.compartment.end(), compartment.data() + from, compartment.data() + to);
+    if (component.data())
+      out.component.insert(out.component.end(), component.data() + from, component.data() + to);
     if (section.data()) out.section.insert(out.section.end(), section.data() + from, section.data() + to);
   }
   if (!wrapped) return out;
@@ -106,7 +114,8 @@ CellSurface Source::surface(std::uint64_t cell, bool wrapped) const {
     if (column.empty()) return;
     auto picked = column;
     picked.clear();
-    for (const std::uint32_t face : tiled.source_face) picked.push_back(column[face]);
+    for (const std::uint32_t face : tiled.source_face)
+      picked.push_back(column[face]);
     column = std::move(picked);
   };
   pick(out.compartment), pick(out.component), pick(out.section);
@@ -114,7 +123,9 @@ CellSurface Source::surface(std::uint64_t cell, bool wrapped) const {
   return out;
 }
 
-bool Source::has_volumes() const { return has(doc_, "/volumes/leaf_origin") && has(doc_, "/volumes@shape"); }
+bool Source::has_volumes() const {
+  return has(doc_, "/volumes/leaf_origin") && has(doc_, "/volumes@shape");
+}
 
 double Source::volume_bytes() const {
   const View<std::uint64_t> shape = view<std::uint64_t>(doc_, "/volumes@shape", 3);
@@ -124,12 +135,14 @@ double Source::volume_bytes() const {
 Volume Source::volume() const {
   constexpr int leaf = 8, leaf_voxels = leaf * leaf * leaf;
   const View<std::uint64_t> shape = view<std::uint64_t>(doc_, "/volumes@shape", 3);
-  const View<double> origin = view<double>(doc_, "/volumes@origin", 3), spacing = view<double>(doc_, "/volumes@spacing", 3);
+  const View<double> origin = view<double>(doc_, "/volumes@origin", 3),
+                     spacing = view<double>(doc_, "/volumes@spacing", 3);
   const View<std::int32_t> leaf_origin = view<std::int32_t>(doc_, "/volumes/leaf_origin", 3);
   Volume volume;
   for (int axis = 0; axis < 3; axis++) {
     if (shape[axis] < 1 || shape[axis] > 1000000)
-      fail(CONCEG_E_RANGE, "/volumes@shape[%d]: expected 1 to 1000000 voxels, got %llu", axis, static_cast<unsigned long long>(shape[axis]));
+      fail(CONCEG_E_RANGE, "/volumes@shape[%d]: expected 1 to 1000000 voxels, got %llu", axis,
+           static_cast<unsigned long long>(shape[axis]));
     volume.shape[axis] = static_cast<int>(shape[axis]);
     volume.origin[axis] = origin[axis], volume.spacing[axis] = spacing[axis];
   }
@@ -138,22 +151,29 @@ Volume Source::volume() const {
   View<float> distance;
   if (has(doc_, "/volumes/label")) label = view<std::uint32_t>(doc_, "/volumes/label", leaf_voxels);
   if (has(doc_, "/volumes/distance")) distance = view<float>(doc_, "/volumes/distance", leaf_voxels);
-  if ((label.data() && label.rows() != leaf_origin.rows()) || (distance.data() && distance.rows() != leaf_origin.rows()))
-    fail(CONCEG_E_FORMAT, "/volumes: expected %zu leaves in label and distance, got %zu and %zu", leaf_origin.rows(), label.rows(), distance.rows());
+  if ((label.data() && label.rows() != leaf_origin.rows()) ||
+      (distance.data() && distance.rows() != leaf_origin.rows()))
+    fail(CONCEG_E_FORMAT, "/volumes: expected %zu leaves in label and distance, got %zu and %zu",
+         leaf_origin.rows(), label.rows(), distance.rows());
   if (label.data()) volume.label.assign(voxels, 0);
   if (distance.data()) {
     // Voxels without a leaf lie in the ECS beyond the stored band.
     float farthest = 0.0f;
-    for (const float d : distance) farthest = std::max(farthest, d);
+    for (const float d : distance)
+      farthest = std::max(farthest, d);
     volume.distance.assign(voxels, farthest);
   }
   for (std::size_t row = 0; row < leaf_origin.rows(); row++)
     for (int k = 0; k < leaf_voxels; k++) {
-      const std::int64_t x = std::int64_t(leaf_origin.row(row)[0]) + k / (leaf * leaf), y = std::int64_t(leaf_origin.row(row)[1]) + k / leaf % leaf,
+      const std::int64_t x = std::int64_t(leaf_origin.row(row)[0]) + k / (leaf * leaf),
+                         y = std::int64_t(leaf_origin.row(row)[1]) + k / leaf % leaf,
                          z = std::int64_t(leaf_origin.row(row)[2]) + k % leaf;
-      if (x < 0 || y < 0 || z < 0 || x >= volume.shape.x || y >= volume.shape.y || z >= volume.shape.z) continue;
-      const std::size_t at = (static_cast<std::size_t>(z) * static_cast<std::size_t>(volume.shape.y) + static_cast<std::size_t>(y)) *
-                                 static_cast<std::size_t>(volume.shape.x) + static_cast<std::size_t>(x);
+      if (x < 0 || y < 0 || z < 0 || x >= volume.shape.x || y >= volume.shape.y || z >= volume.shape.z)
+        continue;
+      const std::size_t at = (static_cast<std::size_t>(z) * static_cast<std::size_t>(volume.shape.y) +
+                              static_cast<std::size_t>(y)) *
+                                 static_cast<std::size_t>(volume.shape.x) +
+                             static_cast<std::size_t>(x);
       if (label.data()) volume.label[at] = label.row(row)[k];
       if (distance.data()) volume.distance[at] = distance.row(row)[k];
     }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The export stage: named files for other programs.
 #include "conceg/conceg.h"
-#include "guard.hpp"
 #include "folder.hpp"
+#include "guard.hpp"
 #include "parallel.hpp"
 #include "ply.hpp"
 #include "source.hpp"
@@ -18,12 +18,16 @@ using namespace conceg;
 using namespace conceg::exporting;
 
 const conceg_param parameters[] = {
-    {"to", "", "kinds of files; all = what the document has data for", "all", "all|vtk|ply|swc", CONCEG_PARAM_CHOICE, 0, 0, 0},
+    {"to", "", "kinds of files; all = what the document has data for", "all", "all|vtk|ply|swc",
+     CONCEG_PARAM_CHOICE, 0, 0, 0},
     {"dir", "", "folder to write into; made when absent", "export", nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
-    {"cells", "", "all, one row such as 7, or one id such as id:12", "all", nullptr, CONCEG_PARAM_TEXT, 0, 0, 0},
-    {"wrapped", "", "bring everything into the periodic box: skeletons are split at its sides, surfaces tiled", "false", nullptr,
-     CONCEG_PARAM_BOOL, 0, 0, 0},
-    {"ascii", "", "PLY as text, which MC/DC needs, instead of binary", "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
+    {"cells", "", "all, one row such as 7, or one id such as id:12", "all", nullptr, CONCEG_PARAM_TEXT, 0, 0,
+     0},
+    {"wrapped", "",
+     "bring everything into the periodic box: skeletons are split at its sides, surfaces tiled", "false",
+     nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
+    {"ascii", "", "PLY as text, which MC/DC needs, instead of binary", "false", nullptr, CONCEG_PARAM_BOOL, 0,
+     0, 0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};
 
 struct Options {
@@ -33,24 +37,28 @@ struct Options {
 };
 
 Options read_options(const conceg_params *params) {
-  return {conceg_params_text(params, "to"), conceg_params_text(params, "dir"), conceg_params_text(params, "cells"),
-          conceg_params_bool(params, "wrapped") != 0, conceg_params_bool(params, "ascii") != 0};
+  return {conceg_params_text(params, "to"), conceg_params_text(params, "dir"),
+          conceg_params_text(params, "cells"), conceg_params_bool(params, "wrapped") != 0,
+          conceg_params_bool(params, "ascii") != 0};
 }
 
 // The groups that the wanted kinds of files need.
 void check_groups(conceg_doc *doc, const Options &options) {
   const bool skeleton = has(doc, "/skeleton/position"), meshes = has(doc, "/meshes/face");
-  if (options.to == "swc" && !skeleton) fail(CONCEG_E_MISSING, "/skeleton: SWC files need skeletons, got none; run the grow stage first");
-  if (options.to == "ply" && !meshes) fail(CONCEG_E_MISSING, "/meshes: PLY files need surfaces, got none; run the mesh stage first");
+  if (options.to == "swc" && !skeleton)
+    fail(CONCEG_E_MISSING, "/skeleton: SWC files need skeletons, got none; run the grow stage first");
+  if (options.to == "ply" && !meshes)
+    fail(CONCEG_E_MISSING, "/meshes: PLY files need surfaces, got none; run the mesh stage first");
   if (!skeleton && !meshes)
-    fail(CONCEG_E_MISSING, "/skeleton, /meshes: expected at least one of them to export, got none; run the grow or the mesh stage first");
+    fail(CONCEG_E_MISSING, "/skeleton, /meshes: expected at least one of them to export, got none; run the "
+                           "grow or the mesh stage first");
 }
 
 class Exporter {
 public:
   Exporter(conceg_ctx *ctx, conceg_doc *doc, const Options &options)
-      : ctx_(ctx), options_(options), source_(doc), cells_(source_.select(options.cells)), folder_(options.dir),
-        progress_(progress_of(ctx)) {}
+      : ctx_(ctx), options_(options), source_(doc), cells_(source_.select(options.cells)),
+        folder_(options.dir), progress_(progress_of(ctx)) {}
 
   void run() {
     if (source_.has_skeleton() && options_.wants("swc")) export_swc();
@@ -58,15 +66,18 @@ public:
     if (source_.has_meshes()) export_surfaces();
     if (source_.has_volumes() && options_.wants("vtk") && options_.cells == "all") export_volume();
     folder_.write_index();
-    for (const Written &row : folder_.written()) conceg_ctx_log(ctx_, CONCEG_LOG_DEBUG, "export: %s/%s", options_.dir.c_str(), row.file.c_str());
-    conceg_ctx_log(ctx_, CONCEG_LOG_INFO, "export: wrote %zu files for %zu cells into %s; index.csv lists them", folder_.written().size(),
-                   cells_.size(), options_.dir.c_str());
+    for (const Written &row : folder_.written())
+      conceg_ctx_log(ctx_, CONCEG_LOG_DEBUG, "export: %s/%s", options_.dir.c_str(), row.file.c_str());
+    conceg_ctx_log(ctx_, CONCEG_LOG_INFO,
+                   "export: wrote %zu files for %zu cells into %s; index.csv lists them",
+                   folder_.written().size(), cells_.size(), options_.dir.c_str());
   }
 
 private:
   Written about(const Cell &cell, std::string file, const char *what) const {
     Written row;
-    row.file = std::move(file), row.what = what, row.cell = static_cast<std::int64_t>(cell.row), row.id = cell.id;
+    row.file = std::move(file), row.what = what, row.cell = static_cast<std::int64_t>(cell.row),
+    row.id = cell.id;
     row.type = cell.type_name, row.layer = cell.layer;
     return row;
   }
@@ -79,7 +90,8 @@ private:
     for (std::size_t i = 0; i < cells_.size(); i++) {
       report(progress_, "export: SWC", i, cells_.size());
       const Tree tree = tree_of(cells_[i]);
-      Written row = about(cells_[i], "swc/" + cell_file_name(cells_[i].row, cells_[i].type_name) + ".swc", "skeleton");
+      Written row =
+          about(cells_[i], "swc/" + cell_file_name(cells_[i].row, cells_[i].type_name) + ".swc", "skeleton");
       write_swc(ctx_, folder_.at(row.file), cells_[i], tree, source_.box(), source_.seed(), options_.wrapped);
       row.points = tree.size();
       folder_.add(std::move(row));
@@ -94,7 +106,8 @@ private:
     for (const Cell &cell : cells_) {
       trees.push_back(tree_of(cell));
       row.points += trees.back().size() + (cell.soma_radius > 0.0);
-      pieces.push_back({&trees.back(), cell.soma, cell.soma_radius, static_cast<std::uint32_t>(cell.row), cell.type});
+      pieces.push_back(
+          {&trees.back(), cell.soma, cell.soma_radius, static_cast<std::uint32_t>(cell.row), cell.type});
     }
     row.file = "vtk/skeletons.vtp", row.what = "skeletons";
     write_skeletons_vtp(folder_.at(row.file), pieces);
@@ -113,8 +126,9 @@ private:
         blocks.push_back({"surfaces/" + name + ".vtp", name});
         Written row = about(cells_[i], "vtk/surfaces/" + name + ".vtp", "surface");
         row.points = mesh.surface.vertex.size(), row.faces = mesh.surface.face.size();
-        write_surface_vtp(folder_.at(row.file), {&mesh.surface, mesh.compartment, mesh.component, mesh.section,
-                                                 static_cast<std::uint32_t>(cells_[i].row), cells_[i].type});
+        write_surface_vtp(folder_.at(row.file),
+                          {&mesh.surface, mesh.compartment, mesh.component, mesh.section,
+                           static_cast<std::uint32_t>(cells_[i].row), cells_[i].type});
         folder_.add(std::move(row));
       }
       if (options_.wants("ply")) {
@@ -130,14 +144,18 @@ private:
     }
     if (surfaces.size() > 1) {
       std::vector<const Surface *> all;
-      for (const Surface &surface : surfaces) all.push_back(&surface);
+      for (const Surface &surface : surfaces)
+        all.push_back(&surface);
       export_ply("ply/all_cells.ply", all, nullptr);
     }
   }
 
   void export_ply(const std::string &file, const std::vector<const Surface *> &surfaces, const Cell *cell) {
-    std::vector<std::string> comments = {"ConCeG " CONCEG_VERSION_TEXT ", lengths in um, triangles wound outward"};
-    if (cell) comments.push_back("cell " + std::to_string(cell->row) + ", id " + std::to_string(cell->id) + ", type " + cell->type_name);
+    std::vector<std::string> comments = {"ConCeG " CONCEG_VERSION_TEXT
+                                         ", lengths in um, triangles wound outward"};
+    if (cell)
+      comments.push_back("cell " + std::to_string(cell->row) + ", id " + std::to_string(cell->id) +
+                         ", type " + cell->type_name);
     if (options_.wrapped) comments.push_back("all triangle images that meet the periodic box");
     OutputFile output(folder_.at(file));
     write_ply(output, surfaces, options_.ascii, comments);
@@ -145,14 +163,17 @@ private:
     Written row;
     if (cell) row = about(*cell, file, "surface");
     row.file = file, row.what = cell ? "surface" : "surfaces";
-    for (const Surface *surface : surfaces) row.points += surface->vertex.size(), row.faces += surface->face.size();
+    for (const Surface *surface : surfaces)
+      row.points += surface->vertex.size(), row.faces += surface->face.size();
     folder_.add(std::move(row));
   }
 
   void export_volume() {
     if (source_.volume_bytes() > static_cast<double>(conceg_ctx_memory(ctx_))) {
-      conceg_ctx_log(ctx_, CONCEG_LOG_WARNING, "export: vtk/volume.vti is left out: it needs %.0f MB of memory; raise --memory to write it",
-                     source_.volume_bytes() * 1e-6);
+      conceg_ctx_log(
+          ctx_, CONCEG_LOG_WARNING,
+          "export: vtk/volume.vti is left out: it needs %.0f MB of memory; raise --memory to write it",
+          source_.volume_bytes() * 1e-6);
       return;
     }
     const Volume volume = source_.volume();
@@ -190,6 +211,17 @@ const char *const nothing[] = {nullptr};
 
 extern "C" CONCEG_EXPORT const conceg_stage conceg_stage_export;
 extern "C" const conceg_stage conceg_stage_export = {
-    CONCEG_STAGE_ABI, sizeof(conceg_stage), "export", "files", "1.0.0",
+    CONCEG_STAGE_ABI,
+    sizeof(conceg_stage),
+    "export",
+    "files",
+    "1.0.0",
     "writes VTK, PLY and SWC-plus files of all cells or of one",
-    "conceg export --dir cube_files < cube.cgx", parameters, reads, nothing, nothing, CONCEG_STAGE_SINK, check, run};
+    "conceg export --dir cube_files < cube.cgx",
+    parameters,
+    reads,
+    nothing,
+    nothing,
+    CONCEG_STAGE_SINK,
+    check,
+    run};

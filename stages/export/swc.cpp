@@ -2,8 +2,8 @@
 #include "swc.hpp"
 
 #include "conceg/swc.h"
-#include "guard.hpp"
 #include "folder.hpp"
+#include "guard.hpp"
 
 #include <cstdio>
 
@@ -18,17 +18,21 @@ std::string numbers(const double *values) {
 
 std::string header_json(const Cell &cell, const conceg_box &box, std::uint64_t seed, bool wrapped) {
   std::string json = "@conceg {\"cell\":" + std::to_string(cell.row) + ",\"id\":" + std::to_string(cell.id);
-  json += ",\"type\":" + quoted_json(cell.type_name) + ",\"class\":" + quoted_json(cell.class_name) + ",\"layer\":" + quoted_json(cell.layer);
-  json += ",\"length_unit\":\"um\",\"box_lo\":" + numbers(box.lo) + ",\"box_hi\":" + numbers(box.hi) + ",\"periodic\":[";
-  for (int axis = 0; axis < 3; axis++) json += std::string(axis ? "," : "") + (box.periodic[axis] ? "true" : "false");
-  json += "],\"wrapped\":" + std::string(wrapped ? "true" : "false") + ",\"seed\":" + std::to_string(seed) + "}";
+  json += ",\"type\":" + quoted_json(cell.type_name) + ",\"class\":" + quoted_json(cell.class_name) +
+          ",\"layer\":" + quoted_json(cell.layer);
+  json += ",\"length_unit\":\"um\",\"box_lo\":" + numbers(box.lo) + ",\"box_hi\":" + numbers(box.hi) +
+          ",\"periodic\":[";
+  for (int axis = 0; axis < 3; axis++)
+    json += std::string(axis ? "," : "") + (box.periodic[axis] ? "true" : "false");
+  json +=
+      "],\"wrapped\":" + std::string(wrapped ? "true" : "false") + ",\"seed\":" + std::to_string(seed) + "}";
   return json;
 }
 
 } // namespace
 
-void write_swc(conceg_ctx *ctx, const std::string &path, const Cell &cell, const Tree &tree, const conceg_box &box, std::uint64_t seed,
-               bool wrapped) {
+void write_swc(conceg_ctx *ctx, const std::string &path, const Cell &cell, const Tree &tree,
+               const conceg_box &box, std::uint64_t seed, bool wrapped) {
   // Pieces that were cut at the box must not be joined to the soma.
   std::vector<std::int64_t> parent = tree.parent;
   for (std::size_t i = 0; i < parent.size(); i++)
@@ -41,7 +45,8 @@ void write_swc(conceg_ctx *ctx, const std::string &path, const Cell &cell, const
     if (column.size() != tree.size() || column.empty()) return;
     names.push_back(name), columns.push_back(column.data());
   };
-  add("target_radius", tree.target_radius), add("bar", tree.bar), add("branch", tree.branch), add("tree", tree.tree), add("status", tree.status);
+  add("target_radius", tree.target_radius), add("bar", tree.bar), add("branch", tree.branch),
+      add("tree", tree.tree), add("status", tree.status);
 
   conceg_swc_cell out = {};
   out.size = sizeof out;
@@ -50,7 +55,8 @@ void write_swc(conceg_ctx *ctx, const std::string &path, const Cell &cell, const
   out.radius = tree.radius.data();
   out.kind = tree.kind.data();
   out.parent = parent.data();
-  for (int axis = 0; axis < 3; axis++) out.soma[axis] = cell.soma[axis];
+  for (int axis = 0; axis < 3; axis++)
+    out.soma[axis] = cell.soma[axis];
   out.soma_radius = cell.soma_radius;
   out.header = header;
   out.column_count = static_cast<std::uint32_t>(names.size());

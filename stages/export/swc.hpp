@@ -7,7 +7,7 @@
 namespace conceg::exporting {
 
 // `wrapped` says that the tree was split at the box, which makes floating pieces; the header says so too.
-void write_swc(conceg_ctx *ctx, const std::string &path, const Cell &cell, const Tree &tree, const conceg_box &box, std::uint64_t seed,
-               bool wrapped);
+void write_swc(conceg_ctx *ctx, const std::string &path, const Cell &cell, const Tree &tree,
+               const conceg_box &box, std::uint64_t seed, bool wrapped);
 
 } // namespace conceg::exporting

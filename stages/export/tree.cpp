@@ -14,15 +14,18 @@ namespace {
 constexpr double end_tolerance = 1e-9; // share of a segment: a crossing closer to an end is taken as that end
 constexpr double crossing_limit = 1e6;
 
-// Places along a -> b, in (0, 1) and ascending, at which a periodic side of the box (or of an image of it) is crossed.
+// Places along a -> b, in (0, 1) and ascending, at which a periodic side of the box (or of an image of it) is
+// crossed.
 std::vector<double> crossings(const conceg_box &box, const glm::dvec3 &a, const glm::dvec3 &b) {
   std::vector<double> places;
   for (int axis = 0; axis < 3; axis++) {
     if (!box.periodic[axis] || a[axis] == b[axis]) continue;
     const double length = conceg_box_side(&box, axis);
     const double low = std::min(a[axis], b[axis]), high = std::max(a[axis], b[axis]);
-    const double first = std::ceil((low - box.lo[axis]) / length), last = std::floor((high - box.lo[axis]) / length);
-    if (!(last - first < crossing_limit)) fail(CONCEG_E_RANGE, "/skeleton: a segment of %g um crosses the box too often", high - low);
+    const double first = std::ceil((low - box.lo[axis]) / length),
+                 last = std::floor((high - box.lo[axis]) / length);
+    if (!(last - first < crossing_limit))
+      fail(CONCEG_E_RANGE, "/skeleton: a segment of %g um crosses the box too often", high - low);
     for (double k = first; k <= last; k++) {
       const double place = (box.lo[axis] + k * length - a[axis]) / (b[axis] - a[axis]);
       if (place > end_tolerance && place < 1.0 - end_tolerance) places.push_back(place);
@@ -44,14 +47,16 @@ public:
         const glm::ivec3 at = lift(box_, whole_.position[i]);
         end[i] = add(i, i, 0.0, at, -1, at == glm::ivec3(0) && whole_.on_soma[i]);
       } else {
-        end[i] = segment(static_cast<std::size_t>(whole_.parent[i]), i, end[static_cast<std::size_t>(whole_.parent[i])]);
+        end[i] = segment(static_cast<std::size_t>(whole_.parent[i]), i,
+                         end[static_cast<std::size_t>(whole_.parent[i])]);
       }
     }
     return std::move(split_);
   }
 
 private:
-  // The pieces of the segment from point `a` to point `b`, after the point `last` that stands for a; returns the last point.
+  // The pieces of the segment from point `a` to point `b`, after the point `last` that stands for a; returns
+  // the last point.
   std::int64_t segment(std::size_t a, std::size_t b, std::int64_t last) {
     std::vector<double> places = crossings(box_, whole_.position[a], whole_.position[b]);
     places.push_back(1.0);
@@ -65,19 +70,25 @@ private:
     return last;
   }
 
-  std::int64_t add(std::size_t a, std::size_t b, double place, const glm::ivec3 &at, std::int64_t parent, bool on_soma) {
-    const auto mix = [&](const std::vector<double> &column) { return column[a] + place * (column[b] - column[a]); };
-    split_.position.push_back((place == 1.0 ? whole_.position[b] : glm::mix(whole_.position[a], whole_.position[b], place)) -
-                              glm::dvec3(at) * sides_);
+  std::int64_t add(std::size_t a, std::size_t b, double place, const glm::ivec3 &at, std::int64_t parent,
+                   bool on_soma) {
+    const auto mix = [&](const std::vector<double> &column) {
+      return column[a] + place * (column[b] - column[a]);
+    };
+    split_.position.push_back(
+        (place == 1.0 ? whole_.position[b] : glm::mix(whole_.position[a], whole_.position[b], place)) -
+        glm::dvec3(at) * sides_);
     split_.radius.push_back(place == 1.0 ? whole_.radius[b] : mix(whole_.radius));
-    if (!whole_.target_radius.empty()) split_.target_radius.push_back(place == 1.0 ? whole_.target_radius[b] : mix(whole_.target_radius));
+    if (!whole_.target_radius.empty())
+      split_.target_radius.push_back(place == 1.0 ? whole_.target_radius[b] : mix(whole_.target_radius));
     split_.parent.push_back(parent);
     split_.kind.push_back(whole_.kind[b]);
     split_.on_soma.push_back(on_soma);
     const auto copy = [b](const std::vector<double> &from, std::vector<double> &to) {
       if (!from.empty()) to.push_back(from[b]);
     };
-    copy(whole_.bar, split_.bar), copy(whole_.branch, split_.branch), copy(whole_.tree, split_.tree), copy(whole_.status, split_.status);
+    copy(whole_.bar, split_.bar), copy(whole_.branch, split_.branch), copy(whole_.tree, split_.tree),
+        copy(whole_.status, split_.status);
     lift_.push_back(at);
     return static_cast<std::int64_t>(split_.size()) - 1;
   }
@@ -91,7 +102,9 @@ private:
 
 } // namespace
 
-Tree split_at_box(const Tree &whole, const conceg_box &box) { return Splitter(whole, box).run(); }
+Tree split_at_box(const Tree &whole, const conceg_box &box) {
+  return Splitter(whole, box).run();
+}
 
 std::vector<std::vector<std::uint32_t>> runs(const Tree &tree) {
   std::vector<std::uint32_t> children(tree.size(), 0), run_of(tree.size(), 0);

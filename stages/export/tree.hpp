@@ -11,7 +11,8 @@
 
 namespace conceg::exporting {
 
-// Points in parent-before-child order; parent -1 = the first point of a tree on its soma, or of a floating piece.
+// Points in parent-before-child order; parent -1 = the first point of a tree on its soma, or of a floating
+// piece.
 struct Tree {
   std::vector<glm::dvec3> position;  // um
   std::vector<double> radius;        // um
@@ -23,11 +24,13 @@ struct Tree {
   std::size_t size() const { return position.size(); }
 };
 
-// Splits every segment where it crosses a periodic side of the box; each piece is moved into the box and starts with a point
-// of its own on the side. Radius and target radius are interpolated, the other columns are those of the segment's end.
+// Splits every segment where it crosses a periodic side of the box; each piece is moved into the box and
+// starts with a point of its own on the side. Radius and target radius are interpolated, the other columns
+// are those of the segment's end.
 Tree split_at_box(const Tree &whole, const conceg_box &box);
 
-// Maximal runs of points without a fork, as lists of point numbers; a run that leaves a fork starts with the fork's point.
+// Maximal runs of points without a fork, as lists of point numbers; a run that leaves a fork starts with the
+// fork's point.
 std::vector<std::vector<std::uint32_t>> runs(const Tree &tree);
 
 } // namespace conceg::exporting

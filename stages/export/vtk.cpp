@@ -18,11 +18,13 @@
 namespace conceg::exporting {
 namespace {
 
-template <class Array, class Values> void add_column(vtkDataSetAttributes *to, const char *name, const Values &values) {
+template <class Array, class Values>
+void add_column(vtkDataSetAttributes *to, const char *name, const Values &values) {
   vtkNew<Array> array;
   array->SetName(name);
   array->SetNumberOfTuples(static_cast<vtkIdType>(values.size()));
-  for (std::size_t i = 0; i < values.size(); i++) array->SetValue(static_cast<vtkIdType>(i), values[i]);
+  for (std::size_t i = 0; i < values.size(); i++)
+    array->SetValue(static_cast<vtkIdType>(i), values[i]);
   to->AddArray(array);
 }
 
@@ -49,10 +51,14 @@ vtkNew<vtkPoints> double_points(std::size_t count) {
 std::string quoted_xml(const std::string &text) {
   std::string out;
   for (const char c : text) {
-    if (c == '&') out += "&amp;";
-    else if (c == '<') out += "&lt;";
-    else if (c == '"') out += "&quot;";
-    else out += c;
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
   }
   return out;
 }
@@ -61,7 +67,8 @@ std::string quoted_xml(const std::string &text) {
 
 void write_skeletons_vtp(const std::string &path, const std::vector<SkeletonPiece> &pieces) {
   std::size_t total = 0;
-  for (const SkeletonPiece &piece : pieces) total += piece.tree->size() + (piece.soma_radius > 0.0);
+  for (const SkeletonPiece &piece : pieces)
+    total += piece.tree->size() + (piece.soma_radius > 0.0);
   vtkNew<vtkPoints> points = double_points(total);
   vtkNew<vtkCellArray> lines, somas;
   std::vector<double> radius, target;
@@ -79,7 +86,8 @@ void write_skeletons_vtp(const std::string &path, const std::vector<SkeletonPiec
       base++;
     }
     for (std::size_t i = 0; i < tree.size(); i++) {
-      points->SetPoint(base + static_cast<vtkIdType>(i), tree.position[i].x, tree.position[i].y, tree.position[i].z);
+      points->SetPoint(base + static_cast<vtkIdType>(i), tree.position[i].x, tree.position[i].y,
+                       tree.position[i].z);
       radius.push_back(tree.radius[i]);
       target.push_back(tree.target_radius.empty() ? tree.radius[i] : tree.target_radius[i]);
       kind.push_back(tree.kind[i]);
@@ -88,7 +96,8 @@ void write_skeletons_vtp(const std::string &path, const std::vector<SkeletonPiec
     for (const std::vector<std::uint32_t> &run : runs(tree)) {
       if (run.size() < 2) continue;
       lines->InsertNextCell(static_cast<vtkIdType>(run.size()));
-      for (const std::uint32_t point : run) lines->InsertCellPoint(base + static_cast<vtkIdType>(point));
+      for (const std::uint32_t point : run)
+        lines->InsertCellPoint(base + static_cast<vtkIdType>(point));
       line_cell.push_back(piece.cell), line_type.push_back(piece.type);
     }
     base += static_cast<vtkIdType>(tree.size());
@@ -116,9 +125,11 @@ void write_surface_vtp(const std::string &path, const SurfacePiece &piece) {
   const Surface &surface = *piece.surface;
   vtkNew<vtkPoints> points = double_points(surface.vertex.size());
   for (std::size_t i = 0; i < surface.vertex.size(); i++)
-    points->SetPoint(static_cast<vtkIdType>(i), surface.vertex[i].x, surface.vertex[i].y, surface.vertex[i].z);
+    points->SetPoint(static_cast<vtkIdType>(i), surface.vertex[i].x, surface.vertex[i].y,
+                     surface.vertex[i].z);
   vtkNew<vtkCellArray> triangles;
-  triangles->AllocateExact(static_cast<vtkIdType>(surface.face.size()), 3 * static_cast<vtkIdType>(surface.face.size()));
+  triangles->AllocateExact(static_cast<vtkIdType>(surface.face.size()),
+                           3 * static_cast<vtkIdType>(surface.face.size()));
   for (const glm::uvec3 &face : surface.face) {
     const vtkIdType corner[3] = {face.x, face.y, face.z};
     triangles->InsertNextCell(3, corner);
@@ -126,11 +137,15 @@ void write_surface_vtp(const std::string &path, const SurfacePiece &piece) {
   vtkNew<vtkPolyData> data;
   data->SetPoints(points);
   data->SetPolys(triangles);
-  if (!piece.compartment.empty()) add_column<vtkUnsignedCharArray>(data->GetCellData(), "compartment", piece.compartment);
-  if (!piece.component.empty()) add_column<vtkUnsignedIntArray>(data->GetCellData(), "component", piece.component);
+  if (!piece.compartment.empty())
+    add_column<vtkUnsignedCharArray>(data->GetCellData(), "compartment", piece.compartment);
+  if (!piece.component.empty())
+    add_column<vtkUnsignedIntArray>(data->GetCellData(), "component", piece.component);
   if (!piece.section.empty()) add_column<vtkUnsignedIntArray>(data->GetCellData(), "section", piece.section);
-  add_column<vtkUnsignedIntArray>(data->GetCellData(), "cell", std::vector<std::uint32_t>(surface.face.size(), piece.cell));
-  add_column<vtkUnsignedIntArray>(data->GetCellData(), "type", std::vector<std::uint32_t>(surface.face.size(), piece.type));
+  add_column<vtkUnsignedIntArray>(data->GetCellData(), "cell",
+                                  std::vector<std::uint32_t>(surface.face.size(), piece.cell));
+  add_column<vtkUnsignedIntArray>(data->GetCellData(), "type",
+                                  std::vector<std::uint32_t>(surface.face.size(), piece.type));
   vtkNew<vtkXMLPolyDataWriter> writer;
   writer->SetInputData(data);
   write_xml(path, writer.GetPointer());
@@ -138,11 +153,12 @@ void write_surface_vtp(const std::string &path, const SurfacePiece &piece) {
 
 void write_blocks_vtm(const std::string &path, const std::vector<Block> &blocks) {
   OutputFile file(path);
-  file.write("<?xml version=\"1.0\"?>\n<VTKFile type=\"vtkMultiBlockDataSet\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
+  file.write("<?xml version=\"1.0\"?>\n<VTKFile type=\"vtkMultiBlockDataSet\" version=\"1.0\" "
+             "byte_order=\"LittleEndian\">\n"
              "  <vtkMultiBlockDataSet>\n");
   for (std::size_t i = 0; i < blocks.size(); i++)
-    file.write("    <DataSet index=\"" + std::to_string(i) + "\" name=\"" + quoted_xml(blocks[i].name) + "\" file=\"" +
-               quoted_xml(blocks[i].file) + "\"/>\n");
+    file.write("    <DataSet index=\"" + std::to_string(i) + "\" name=\"" + quoted_xml(blocks[i].name) +
+               "\" file=\"" + quoted_xml(blocks[i].file) + "\"/>\n");
   file.write("  </vtkMultiBlockDataSet>\n</VTKFile>\n");
   file.commit();
 }

@@ -22,7 +22,8 @@ public:
   Topology(const Surface &surface, std::uint32_t number, std::vector<Defect> &out)
       : surface_(surface), number_(number), out_(out) {}
 
-  // False when an index is out of range or a face is degenerate, so that the pair test cannot take the surface.
+  // False when an index is out of range or a face is degenerate, so that the pair test cannot take the
+  // surface.
   bool run() {
     bool usable = true;
     for (std::uint32_t f = 0; f < surface_.face.size(); f++) {
@@ -32,11 +33,13 @@ public:
         add(Flaw::bad_index, f, {});
         return false;
       }
-      if (v.x == v.y || v.y == v.z || v.z == v.x || on_one_line(surface_.at(v.x), surface_.at(v.y), surface_.at(v.z)))
+      if (v.x == v.y || v.y == v.z || v.z == v.x ||
+          on_one_line(surface_.at(v.x), surface_.at(v.y), surface_.at(v.z)))
         add(Flaw::degenerate_face, f, surface_.at(v.x)), usable = false;
     }
     collect_rings();
-    for (std::uint32_t v = 0; v < surface_.vertex.size(); v++) check_ring(v);
+    for (std::uint32_t v = 0; v < surface_.vertex.size(); v++)
+      check_ring(v);
     if (!(volume_of(surface_) > 0)) add(Flaw::inward, 0, surface_.origin);
     return usable;
   }
@@ -50,7 +53,8 @@ private:
   void collect_rings() {
     start_.assign(surface_.vertex.size() + 1, 0);
     for (const glm::uvec3 &f : surface_.face)
-      for (int i = 0; i < 3; i++) start_[f[i] + 1]++;
+      for (int i = 0; i < 3; i++)
+        start_[f[i] + 1]++;
     std::partial_sum(start_.begin(), start_.end(), start_.begin());
     spoke_.resize(surface_.face.size() * 3);
     std::vector<std::uint32_t> next(start_.begin(), start_.end() - 1);
@@ -65,12 +69,16 @@ private:
   void check_ring(std::uint32_t v) {
     const auto first = spoke_.begin() + start_[v], last = spoke_.begin() + start_[v + 1];
     if (first == last) return add(Flaw::unused_vertex, v, surface_.at(v));
-    std::sort(first, last, [](const Spoke &l, const Spoke &r) { return std::tie(l.from, l.face) < std::tie(r.from, r.face); });
+    std::sort(first, last, [](const Spoke &l, const Spoke &r) {
+      return std::tie(l.from, l.face) < std::tie(r.from, r.face);
+    });
     bool sound = true;
     for (auto it = first; it != last; ++it) {
-      if (it != first && (it - 1)->from == it->from) add(Flaw::turned_face, it->face, surface_.at(v)), sound = false;
+      if (it != first && (it - 1)->from == it->from)
+        add(Flaw::turned_face, it->face, surface_.at(v)), sound = false;
       const auto next = find(first, last, it->to);
-      if (next == last) add(Flaw::open_edge, it->face, 0.5 * (surface_.at(v) + surface_.at(it->to))), sound = false;
+      if (next == last)
+        add(Flaw::open_edge, it->face, 0.5 * (surface_.at(v) + surface_.at(it->to))), sound = false;
     }
     if (!sound) return;
     std::size_t visited = 0;
@@ -118,9 +126,10 @@ bool operator<(const HashEntry &l, const HashEntry &r) {
 
 class PairCheck {
 public:
-  PairCheck(const std::vector<Surface> &surfaces, const std::vector<std::uint8_t> &usable, const conceg_box &box,
-            const CheckOptions &options, Workers &workers, const Progress &progress)
-      : surfaces_(surfaces), usable_(usable), box_(box), options_(options), workers_(workers), progress_(progress) {
+  PairCheck(const std::vector<Surface> &surfaces, const std::vector<std::uint8_t> &usable,
+            const conceg_box &box, const CheckOptions &options, Workers &workers, const Progress &progress)
+      : surfaces_(surfaces), usable_(usable), box_(box), options_(options), workers_(workers),
+        progress_(progress) {
     margin_ = options.gap;
   }
 
@@ -129,7 +138,8 @@ public:
     hash_faces();
     find_runs();
     std::vector<Worker> workers(workers_.threads());
-    for (Worker &worker : workers) worker.least2.assign(surfaces_.size(), 4 * options_.gap * options_.gap);
+    for (Worker &worker : workers)
+      worker.least2.assign(surfaces_.size(), 4 * options_.gap * options_.gap);
     std::atomic<std::uint64_t> done{0};
     workers_.loop(run_.size() - 1, 256, [&](std::size_t i, unsigned worker) {
       check_place(run_[i], run_[i + 1], workers[worker]);
@@ -184,7 +194,8 @@ private:
         const glm::dvec3 size = b.high - b.low;
         sum += std::max({size.x, size.y, size.z});
         for (int axis = 0; axis < 3; axis++)
-          if (!box_.periodic[axis]) low_[axis] = std::min(low_[axis], b.low[axis]), high[axis] = std::max(high[axis], b.high[axis]);
+          if (!box_.periodic[axis])
+            low_[axis] = std::min(low_[axis], b.low[axis]), high[axis] = std::max(high[axis], b.high[axis]);
       }
       faces += surfaces_[s].face.size();
     }
@@ -210,18 +221,21 @@ private:
     std::vector<std::vector<HashEntry>> parts(surfaces_.size());
     workers_.loop(surfaces_.size(), 1, [&](std::size_t s, unsigned) {
       if (!usable_[s]) return;
-      for (std::uint32_t f = 0; f < surfaces_[s].face.size(); f++) hash_face(static_cast<std::uint32_t>(s), f, parts[s]);
+      for (std::uint32_t f = 0; f < surfaces_[s].face.size(); f++)
+        hash_face(static_cast<std::uint32_t>(s), f, parts[s]);
     });
     // Sorted layer by layer (z is the slowest axis of a place), so that layers are independent tasks.
     const auto layer_size = static_cast<std::uint64_t>(places_.x) * static_cast<std::uint64_t>(places_.y);
     std::vector<std::size_t> start(static_cast<std::size_t>(places_.z) + 1);
     for (const auto &part : parts)
-      for (const HashEntry &entry : part) start[entry.place / layer_size + 1]++;
+      for (const HashEntry &entry : part)
+        start[entry.place / layer_size + 1]++;
     std::partial_sum(start.begin(), start.end(), start.begin());
     entry_.resize(start.back());
     std::vector<std::size_t> next(start.begin(), start.end() - 1);
     for (auto &part : parts) {
-      for (const HashEntry &entry : part) entry_[next[entry.place / layer_size]++] = entry;
+      for (const HashEntry &entry : part)
+        entry_[next[entry.place / layer_size]++] = entry;
       part = {};
     }
     workers_.loop(static_cast<std::size_t>(places_.z), 1, [&](std::size_t layer, unsigned) {
@@ -239,7 +253,8 @@ private:
           const int at[3] = {x, y, z};
           HashEntry entry = {0, surface, face, {0, 0, 0}};
           for (int axis = 2; axis >= 0; axis--) {
-            const int lift = at[axis] >= 0 ? at[axis] / places_[axis] : -((places_[axis] - 1 - at[axis]) / places_[axis]);
+            const int lift =
+                at[axis] >= 0 ? at[axis] / places_[axis] : -((places_[axis] - 1 - at[axis]) / places_[axis]);
             entry.lift[axis] = static_cast<std::int16_t>(lift);
             entry.place = entry.place * static_cast<std::uint64_t>(places_[axis]) +
                           static_cast<std::uint64_t>(at[axis] - lift * places_[axis]);
@@ -261,16 +276,18 @@ private:
       const Bounds b = bounds(e.surface, e.face);
       const glm::ivec3 lift(e.lift[0], e.lift[1], e.lift[2]);
       const glm::dvec3 shift = glm::dvec3(lift) * side_;
-      worker.item.push_back({b.low - shift, b.high - shift, place_of(b.low) - lift * places_, e.surface, e.face, lift});
+      worker.item.push_back(
+          {b.low - shift, b.high - shift, place_of(b.low) - lift * places_, e.surface, e.face, lift});
     }
     const std::uint64_t place = entry_[first].place;
     const auto nx = static_cast<std::uint64_t>(places_.x), ny = static_cast<std::uint64_t>(places_.y);
-    const glm::ivec3 here(static_cast<int>(place % nx), static_cast<int>(place / nx % ny), static_cast<int>(place / (nx * ny)));
+    const glm::ivec3 here(static_cast<int>(place % nx), static_cast<int>(place / nx % ny),
+                          static_cast<int>(place / (nx * ny)));
     for (std::size_t i = 0; i < worker.item.size(); i++)
       for (std::size_t j = i + 1; j < worker.item.size(); j++) {
         const Item &a = worker.item[i], &b = worker.item[j];
-        if (a.low.x > b.high.x || b.low.x > a.high.x || a.low.y > b.high.y || b.low.y > a.high.y || a.low.z > b.high.z ||
-            b.low.z > a.high.z)
+        if (a.low.x > b.high.x || b.low.x > a.high.x || a.low.y > b.high.y || b.low.y > a.high.y ||
+            a.low.z > b.high.z || b.low.z > a.high.z)
           continue;
         // Each pair once: in the hash cell of the lower corner of what the two boxes share.
         if (glm::max(a.first, b.first) != here) continue;
@@ -284,7 +301,8 @@ private:
     corners(b.surface, b.face, q);
     const glm::ivec3 lift = a.lift - b.lift;
     if (lift != glm::ivec3(0))
-      for (glm::dvec3 &corner : q) corner += glm::dvec3(lift) * side_;
+      for (glm::dvec3 &corner : q)
+        corner += glm::dvec3(lift) * side_;
     const bool same = a.surface == b.surface && lift == glm::ivec3(0);
     if (!touching_boxes(a, b)) { // within the margin only
       if (!same) measure(a, b, p, q, worker);
@@ -303,12 +321,14 @@ private:
 
   bool touching_boxes(const Item &a, const Item &b) const {
     for (int axis = 0; axis < 3; axis++)
-      if (a.low[axis] > b.high[axis] - 2 * margin_ + 1e-9 || b.low[axis] > a.high[axis] - 2 * margin_ + 1e-9) return false;
+      if (a.low[axis] > b.high[axis] - 2 * margin_ + 1e-9 || b.low[axis] > a.high[axis] - 2 * margin_ + 1e-9)
+        return false;
     return true;
   }
 
   // Faces of one surface: common vertices (by number) come first, then what else they share is asked.
-  void check_neighbours(const Item &a, const Item &b, glm::dvec3 (&p)[3], glm::dvec3 (&q)[3], Worker &worker) const {
+  void check_neighbours(const Item &a, const Item &b, glm::dvec3 (&p)[3], glm::dvec3 (&q)[3],
+                        Worker &worker) const {
     const glm::uvec3 &f = surfaces_[a.surface].face[a.face], &g = surfaces_[b.surface].face[b.face];
     int common = 0;
     std::array<std::uint32_t, 3> left = {f.x, f.y, f.z}, right = {g.x, g.y, g.z};
@@ -320,17 +340,22 @@ private:
           common++;
           break;
         }
-    if (common == 0 ? triangles_meet(p, q) : common == 1 ? meet_beyond_vertex(p, q) : common == 2 ? meet_beyond_edge(p, q) : true)
+    if (common == 0   ? triangles_meet(p, q)
+        : common == 1 ? meet_beyond_vertex(p, q)
+        : common == 2 ? meet_beyond_edge(p, q)
+                      : true)
       add(common ? Flaw::fold : Flaw::crossing_self, a, b, p, worker);
   }
 
-  void measure(const Item &a, const Item &b, const glm::dvec3 (&p)[3], const glm::dvec3 (&q)[3], Worker &worker) const {
+  void measure(const Item &a, const Item &b, const glm::dvec3 (&p)[3], const glm::dvec3 (&q)[3],
+               Worker &worker) const {
     if (!(options_.gap > 0)) return;
     double &left = worker.least2[a.surface], &right = worker.least2[b.surface];
     const double least2 = options_.least_gap * options_.least_gap, bound = std::max({left, right, least2});
     double apart2 = 0;
     for (int axis = 0; axis < 3; axis++) {
-      const double apart = std::max(0.0, std::max(a.low[axis] - b.high[axis], b.low[axis] - a.high[axis]) + 2 * margin_);
+      const double apart =
+          std::max(0.0, std::max(a.low[axis] - b.high[axis], b.low[axis] - a.high[axis]) + 2 * margin_);
       apart2 += apart * apart;
     }
     if (apart2 >= bound || beside_plane(p, q, bound) || beside_plane(q, p, bound)) return;
@@ -342,14 +367,16 @@ private:
   // All of q lies on one side of the plane of p, no nearer than sqrt(bound2).
   static bool beside_plane(const glm::dvec3 (&p)[3], const glm::dvec3 (&q)[3], double bound2) {
     const glm::dvec3 normal = cross_product(p[1] - p[0], p[2] - p[0]);
-    const double d0 = glm::dot(normal, q[0] - p[0]), d1 = glm::dot(normal, q[1] - p[0]), d2 = glm::dot(normal, q[2] - p[0]);
+    const double d0 = glm::dot(normal, q[0] - p[0]), d1 = glm::dot(normal, q[1] - p[0]),
+                 d2 = glm::dot(normal, q[2] - p[0]);
     const double low = std::min({d0, d1, d2}), high = std::max({d0, d1, d2});
     const double nearest = low > 0 ? low : high < 0 ? -high : 0;
     return nearest * nearest >= bound2 * glm::dot(normal, normal) * (1 + 1e-9);
   }
 
   void add(Flaw flaw, const Item &a, const Item &b, const glm::dvec3 (&p)[3], Worker &worker) const {
-    worker.found.push_back({flaw, a.surface, a.face, b.surface, b.face, a.lift - b.lift, (p[0] + p[1] + p[2]) / 3.0});
+    worker.found.push_back(
+        {flaw, a.surface, a.face, b.surface, b.face, a.lift - b.lift, (p[0] + p[1] + p[2]) / 3.0});
   }
 
   const std::vector<Surface> &surfaces_;
@@ -373,14 +400,23 @@ bool earlier(const Defect &l, const Defect &r) {
 } // namespace
 
 const char *flaw_name(Flaw flaw) {
-  static const char *const names[] = {"face with a bad vertex index", "degenerate face", "unused vertex", "open edge",
-                                      "face turned against its neighbour", "vertex with several fans", "surface facing inwards",
-                                      "two cells cross", "cell crosses its own image", "cell crosses itself", "fold", "narrow gap"};
+  static const char *const names[] = {"face with a bad vertex index",
+                                      "degenerate face",
+                                      "unused vertex",
+                                      "open edge",
+                                      "face turned against its neighbour",
+                                      "vertex with several fans",
+                                      "surface facing inwards",
+                                      "two cells cross",
+                                      "cell crosses its own image",
+                                      "cell crosses itself",
+                                      "fold",
+                                      "narrow gap"};
   return names[static_cast<std::size_t>(flaw)];
 }
 
-CheckResult check_surfaces(const std::vector<Surface> &surfaces, const conceg_box &box, const CheckOptions &options,
-                           Workers &workers, const Progress &progress) {
+CheckResult check_surfaces(const std::vector<Surface> &surfaces, const conceg_box &box,
+                           const CheckOptions &options, Workers &workers, const Progress &progress) {
   CheckResult result;
   std::vector<std::vector<Defect>> found(surfaces.size());
   std::vector<std::uint8_t> usable(surfaces.size());
@@ -405,12 +441,15 @@ std::string describe(const Defect &defect, const std::vector<Surface> &surfaces)
   const unsigned cell = surfaces[defect.surface].cell;
   if (!is_pair(defect.flaw)) {
     const bool vertex = defect.flaw == Flaw::unused_vertex || defect.flaw == Flaw::split_vertex;
-    std::snprintf(text, sizeof text, "%s: cell %u, %s %u, at (%.4f, %.4f, %.4f) um", flaw_name(defect.flaw), cell,
-                  vertex ? "vertex" : "face", defect.face, defect.where.x, defect.where.y, defect.where.z);
+    std::snprintf(text, sizeof text, "%s: cell %u, %s %u, at (%.4f, %.4f, %.4f) um", flaw_name(defect.flaw),
+                  cell, vertex ? "vertex" : "face", defect.face, defect.where.x, defect.where.y,
+                  defect.where.z);
   } else {
-    std::snprintf(text, sizeof text, "%s: cell %u, face %u and cell %u, face %u (image %d %d %d), at (%.4f, %.4f, %.4f) um",
-                  flaw_name(defect.flaw), cell, defect.face, surfaces[defect.other_surface].cell, defect.other_face,
-                  defect.lift.x, defect.lift.y, defect.lift.z, defect.where.x, defect.where.y, defect.where.z);
+    std::snprintf(text, sizeof text,
+                  "%s: cell %u, face %u and cell %u, face %u (image %d %d %d), at (%.4f, %.4f, %.4f) um",
+                  flaw_name(defect.flaw), cell, defect.face, surfaces[defect.other_surface].cell,
+                  defect.other_face, defect.lift.x, defect.lift.y, defect.lift.z, defect.where.x,
+                  defect.where.y, defect.where.z);
   }
   return text;
 }

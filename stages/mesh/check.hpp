@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The judge: looks at the very values that are written and trusts nothing about how they were made. Exact predicates.
+// The judge: looks at the very values that are written and trusts nothing about how they were made. Exact
+// predicates.
 #pragma once
 
 #include "parallel.hpp"
@@ -14,18 +15,21 @@ enum class Flaw : std::uint8_t {
   bad_index,       // a face names a vertex that is not there
   degenerate_face, // a repeated vertex, or three on one line
   unused_vertex,
-  open_edge,       // an edge with one face: a hole or a missing triangle
-  turned_face,     // two faces run along an edge in the same direction: flipped, or more than two faces at the edge
-  split_vertex,    // a vertex with more than one fan of faces
-  inward,          // the enclosed volume is not positive
-  crossing_cells,  // faces of two cells meet
-  crossing_image,  // faces of a cell and of its own periodic image meet
-  crossing_self,   // faces of one surface meet that have no vertex in common
-  fold,            // faces with a common vertex meet elsewhere too
-  near,            // faces of two labels are nearer than the least gap: not an error, but worth a repair
+  open_edge,      // an edge with one face: a hole or a missing triangle
+  turned_face,    // two faces run along an edge in the same direction: flipped, or more than two faces at the
+                  // edge
+  split_vertex,   // a vertex with more than one fan of faces
+  inward,         // the enclosed volume is not positive
+  crossing_cells, // faces of two cells meet
+  crossing_image, // faces of a cell and of its own periodic image meet
+  crossing_self,  // faces of one surface meet that have no vertex in common
+  fold,           // faces with a common vertex meet elsewhere too
+  near,           // faces of two labels are nearer than the least gap: not an error, but worth a repair
 };
 const char *flaw_name(Flaw flaw);
-inline bool is_pair(Flaw flaw) { return flaw >= Flaw::crossing_cells; }
+inline bool is_pair(Flaw flaw) {
+  return flaw >= Flaw::crossing_cells;
+}
 
 struct Defect {
   Flaw flaw;
@@ -41,17 +45,17 @@ struct CheckOptions {
 };
 
 struct CheckResult {
-  std::vector<Defect> defects;    // sorted by flaw, place
-  std::uint64_t errors = 0;       // defects that make the meshes unfit: all but near
-  std::uint64_t crossings = 0;    // pairs among them
+  std::vector<Defect> defects; // sorted by flaw, place
+  std::uint64_t errors = 0;    // defects that make the meshes unfit: all but near
+  std::uint64_t crossings = 0; // pairs among them
   std::uint64_t pairs_checked = 0;
-  std::vector<double> min_gap;    // per surface: distance to the nearest other label, at most 2 gap
+  std::vector<double> min_gap;      // per surface: distance to the nearest other label, at most 2 gap
   std::vector<std::uint8_t> closed; // per surface: no flaw other than crossings
 };
 
 // Surfaces with bad indices or degenerate faces are reported and left out of the pair test.
-CheckResult check_surfaces(const std::vector<Surface> &surfaces, const conceg_box &box, const CheckOptions &options,
-                           Workers &workers, const Progress &progress);
+CheckResult check_surfaces(const std::vector<Surface> &surfaces, const conceg_box &box,
+                           const CheckOptions &options, Workers &workers, const Progress &progress);
 
 // One line that names a defect and its place.
 std::string describe(const Defect &defect, const std::vector<Surface> &surfaces);

@@ -13,13 +13,16 @@ namespace {
 
 constexpr double kWidest = double(1 << 19); // voxels from the box, so that vertex keys hold 20 bits per axis
 
-constexpr double kSnapLoss = 0.007;      // measured on tubes and balls
+constexpr double kSnapLoss = 0.007; // measured on tubes and balls
 
 Grid make_grid(const conceg_box &box, const SceneOptions &options) {
   Grid grid;
   for (int axis = 0; axis < 3; axis++) {
-    const double side = conceg_box_side(&box, axis), cubes = std::max(4.0, std::ceil(side / options.h - 1e-9));
-    if (!(cubes < kWidest)) fail(CONCEG_E_RANGE, "h_um: expected at least %g for a side of %g um, got %g", side / kWidest, side, options.h);
+    const double side = conceg_box_side(&box, axis),
+                 cubes = std::max(4.0, std::ceil(side / options.h - 1e-9));
+    if (!(cubes < kWidest))
+      fail(CONCEG_E_RANGE, "h_um: expected at least %g for a side of %g um, got %g", side / kWidest, side,
+           options.h);
     grid.size[axis] = static_cast<int>(cubes);
     grid.step[axis] = side / cubes;
     grid.origin[axis] = box.lo[axis] + (options.centred ? 0.5 * grid.step[axis] : 0.0);
@@ -37,12 +40,14 @@ public:
   Builder(const Tissue &tissue, const SceneOptions &options) : tissue_(tissue), options_(options) {
     scene_.grid = make_grid(tissue.box, options);
     scene_.gap = options.gap / scene_.grid.unit;
+    if (options.centred) scene_.snap = 0;
     scene_.cells = tissue.cells();
     scene_.thin_points.resize(tissue.cells());
   }
 
   Scene build() {
-    for (std::size_t cell = 0; cell < tissue_.cells(); cell++) add_cell(cell);
+    for (std::size_t cell = 0; cell < tissue_.cells(); cell++)
+      add_cell(cell);
     for (int axis = 0; axis < 3; axis++)
       if (!scene_.grid.periodic[axis]) span_open_axis(axis);
     return std::move(scene_);
@@ -59,14 +64,18 @@ private:
     }
     const std::size_t first = tissue_.offset[cell], count = tissue_.offset[cell + 1] - first;
     std::vector<std::uint32_t> branch;
-    if (tissue_.branch.empty()) branch = derive_branches(tissue_.parent.data() + first, count);
-    else branch.assign(tissue_.branch.begin() + first, tissue_.branch.begin() + first + count);
+    if (tissue_.branch.empty())
+      branch = derive_branches(tissue_.parent.data() + first, count);
+    else
+      branch.assign(tissue_.branch.begin() + first, tissue_.branch.begin() + first + count);
     std::vector<std::uint32_t> order(count);
     std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t l, std::uint32_t r) { return branch[l] < branch[r]; });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint32_t l, std::uint32_t r) { return branch[l] < branch[r]; });
     for (std::size_t i = 0; i < count; i++) {
       const std::size_t point = order[i];
-      if (i == 0 || branch[point] != branch[order[i - 1]]) open_section(branch[point], tissue_.radius[first + point]);
+      if (i == 0 || branch[point] != branch[order[i - 1]])
+        open_section(branch[point], tissue_.radius[first + point]);
       add_segment(first, point, soma, soma_radius);
     }
   }
@@ -90,7 +99,8 @@ private:
   void open_section(std::uint32_t branch, double radius) {
     const double blend = options_.smooth * radius / scene_.grid.unit;
     // Nodes farther than two steps (plus gap) from a surface cannot touch an edge that the surface crosses.
-    const double reach = 2.2 * glm::length(scene_.grid.step) / (std::sqrt(3.0) * scene_.grid.unit) + scene_.gap + blend;
+    const double reach =
+        2.2 * glm::length(scene_.grid.step) / (std::sqrt(3.0) * scene_.grid.unit) + scene_.gap + blend;
     scene_.section.push_back({static_cast<float>(blend), static_cast<float>(reach), branch});
   }
 
@@ -109,15 +119,17 @@ private:
     glm::ivec3 out;
     for (int axis = 0; axis < 3; axis++) {
       if (!(std::fabs(voxel[axis]) < kWidest - 4096))
-        fail(CONCEG_E_RANGE, "cell %zu: expected points within %g voxels of the box, got %g on axis %d; use a larger h_um",
+        fail(CONCEG_E_RANGE,
+             "cell %zu: expected points within %g voxels of the box, got %g on axis %d; use a larger h_um",
              cell_, kWidest - 4096, voxel[axis], axis);
       out[axis] = static_cast<int>(std::floor(voxel[axis] * kFixed + 0.5));
     }
     return out;
   }
 
-  // Straight faces between nodes lie inside a surface with curvatures k1 and k2 by (k1 + k2) h^2 / 12 in the mean, and the snap
-  // of node values takes kSnapLoss steps; primitives for meshing are that much larger, so that volumes come out right.
+  // Straight faces between nodes lie inside a surface with curvatures k1 and k2 by (k1 + k2) h^2 / 12 in the
+  // mean, and the snap of node values takes kSnapLoss steps; primitives for meshing are that much larger, so
+  // that volumes come out right.
   double mesh_loss(double radius, std::uint8_t kind) const {
     if (options_.centred) return 0; // voxels are points: no faces, no loss
     const double h = scene_.grid.unit, curvature = (kind == kSomaKind ? 2 : 1) / radius;
@@ -132,16 +144,20 @@ private:
   std::int32_t fixed_radius(double radius, std::uint8_t kind) const {
     const double grown = grown_radius(radius, kind);
     if (!(grown < 2048 * scene_.grid.unit))
-      fail(CONCEG_E_RANGE, "cell %zu: expected radii below 2048 voxels, got %g um; use a larger h_um", cell_, radius);
+      fail(CONCEG_E_RANGE, "cell %zu: expected radii below 2048 voxels, got %g um; use a larger h_um", cell_,
+           radius);
     return std::max(1, static_cast<int>(std::floor(grown / scene_.grid.unit * kFixed + 0.5)));
   }
 
   void span_open_axis(int axis) {
     int low = 0, high = scene_.grid.size[axis];
     for (const Cone &cone : scene_.cone) {
-      const double margin = std::max(cone.ra, cone.rb) / double(kFixed) + scene_.section[cone.section].reach + 1;
-      low = std::min(low, static_cast<int>(std::floor(std::min(cone.a[axis], cone.b[axis]) / double(kFixed) - margin)));
-      high = std::max(high, static_cast<int>(std::ceil(std::max(cone.a[axis], cone.b[axis]) / double(kFixed) + margin)));
+      const double margin =
+          std::max(cone.ra, cone.rb) / double(kFixed) + scene_.section[cone.section].reach + 1;
+      low = std::min(
+          low, static_cast<int>(std::floor(std::min(cone.a[axis], cone.b[axis]) / double(kFixed) - margin)));
+      high = std::max(
+          high, static_cast<int>(std::ceil(std::max(cone.a[axis], cone.b[axis]) / double(kFixed) + margin)));
     }
     if (options_.centred) return; // volumes cover the box alone
     scene_.grid.low[axis] = low, scene_.grid.high[axis] = high;
@@ -178,6 +194,8 @@ std::vector<std::uint32_t> derive_branches(const std::int64_t *parent, std::size
   return branch;
 }
 
-Scene make_scene(const Tissue &tissue, const SceneOptions &options) { return Builder(tissue, options).build(); }
+Scene make_scene(const Tissue &tissue, const SceneOptions &options) {
+  return Builder(tissue, options).build();
+}
 
 } // namespace conceg::mesh

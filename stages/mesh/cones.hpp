@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From cells to primitives: every cell is a soma ball and round cones, one per skeleton segment, in fixed point on the
-// common grid. Coordinates are multiples of 2^-8 voxel, so that node minus centre is exact in single precision and a node
-// has the same bits in every block and in every periodic image.
+// From cells to primitives: every cell is a soma ball and round cones, one per skeleton segment, in fixed
+// point on the common grid. Coordinates are multiples of 2^-8 voxel, so that node minus centre is exact in
+// single precision and a node has the same bits in every block and in every periodic image.
 #pragma once
 
 #include "conceg/geom.h"
@@ -14,13 +14,14 @@
 namespace conceg::mesh {
 
 constexpr int kFixedBits = 8;
-constexpr int kFixed = 1 << kFixedBits;       // fixed-point units in a voxel
-constexpr int kBlock = 16;                    // cubes along the edge of a block
+constexpr int kFixed = 1 << kFixedBits;           // fixed-point units in a voxel
+constexpr int kBlock = 16;                        // cubes along the edge of a block
 constexpr std::uint32_t kNoSection = 0xffffffffu; // section of a face on the soma ball
 constexpr std::uint8_t kSomaKind = 1;
-constexpr float kSnap = 0.05f;                // node values nearer to zero than this (in voxels) are moved to it
+constexpr float kSnap = 0.05f; // node values nearer to zero than this (in voxels) are moved to it
 
-// The tissue as the mesher sees it: lengths in um, coordinates unwrapped. Points of cell i are offset[i] .. offset[i+1].
+// The tissue as the mesher sees it: lengths in um, coordinates unwrapped. Points of cell i are offset[i] ..
+// offset[i+1].
 struct Tissue {
   conceg_box box = {};
   std::vector<glm::dvec3> soma;
@@ -34,13 +35,14 @@ struct Tissue {
   std::size_t cells() const { return soma.size(); }
 };
 
-// The common grid. A periodic axis has size cubes, which fill the side exactly; an open axis goes as far as the cells do.
+// The common grid. A periodic axis has size cubes, which fill the side exactly; an open axis goes as far as
+// the cells do.
 struct Grid {
-  glm::dvec3 origin{};  // position of node (0, 0, 0), um
-  glm::dvec3 step{};    // um
-  double unit = 0;      // um in one unit of distance: the smallest step
-  glm::vec3 scale{};    // step / unit
-  glm::ivec3 size{};    // cubes in the box
+  glm::dvec3 origin{};      // position of node (0, 0, 0), um
+  glm::dvec3 step{};        // um
+  double unit = 0;          // um in one unit of distance: the smallest step
+  glm::vec3 scale{};        // step / unit
+  glm::ivec3 size{};        // cubes in the box
   glm::ivec3 low{}, high{}; // nodes low .. high are evaluated
   bool periodic[3] = {};
   glm::ivec3 blocks() const {
@@ -51,8 +53,8 @@ struct Grid {
 };
 
 struct Cone {
-  glm::ivec3 a, b;       // fixed-point voxels, unwrapped
-  std::int32_t ra, rb;   // fixed-point units of distance
+  glm::ivec3 a, b;     // fixed-point voxels, unwrapped
+  std::int32_t ra, rb; // fixed-point units of distance
   std::uint32_t cell;
   std::uint32_t section; // over all cells
   std::uint8_t kind;     // SWC code, 1 = soma
@@ -66,8 +68,9 @@ struct Section {
 
 struct Scene {
   Grid grid;
-  double gap = 0;            // g in units
-  std::vector<Cone> cone;    // sorted by cell, section
+  double gap = 0;         // g in units
+  float snap = kSnap;     // 0 for volumes
+  std::vector<Cone> cone; // sorted by cell, section
   std::vector<Section> section;
   std::size_t cells = 0;
   std::vector<std::uint32_t> thin_points; // per cell: skeleton points too thin for this grid

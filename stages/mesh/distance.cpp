@@ -8,11 +8,15 @@
 namespace conceg::mesh {
 namespace {
 
-double clamp01(double t) { return t < 0 ? 0 : t > 1 ? 1 : t; }
+double clamp01(double t) {
+  return t < 0 ? 0 : t > 1 ? 1 : t;
+}
 
-double segment_distance2(const glm::dvec3 &p, const glm::dvec3 &p1, const glm::dvec3 &q, const glm::dvec3 &q1) {
+double segment_distance2(const glm::dvec3 &p, const glm::dvec3 &p1, const glm::dvec3 &q,
+                         const glm::dvec3 &q1) {
   const glm::dvec3 u = p1 - p, v = q1 - q, w = p - q;
-  const double a = glm::dot(u, u), b = glm::dot(u, v), c = glm::dot(v, v), d = glm::dot(u, w), e = glm::dot(v, w);
+  const double a = glm::dot(u, u), b = glm::dot(u, v), c = glm::dot(v, v), d = glm::dot(u, w),
+               e = glm::dot(v, w);
   const double denominator = a * c - b * b;
   double s = denominator > 1e-14 * a * c ? clamp01((b * e - c * d) / denominator) : 0;
   double t = c > 0 ? (b * s + e) / c : 0;
@@ -43,15 +47,18 @@ double point_triangle_distance2(const glm::dvec3 &p, const Corners &t) {
   const double vb = d5 * d2 - d1 * d6;
   if (vb <= 0 && d2 >= 0 && d6 <= 0) return to(t[0] + ac * (d2 / (d2 - d6)));
   const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 >= d3 && d5 >= d6) return to(t[1] + (t[2] - t[1]) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))));
+  if (va <= 0 && d4 >= d3 && d5 >= d6)
+    return to(t[1] + (t[2] - t[1]) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))));
   const double scale = 1 / (va + vb + vc);
   return to(t[0] + ab * (vb * scale) + ac * (vc * scale));
 }
 
 double triangle_distance2(const Corners &a, const Corners &b) {
   double least = point_triangle_distance2(a[0], b);
-  for (int i = 1; i < 3; i++) least = std::min(least, point_triangle_distance2(a[i], b));
-  for (int i = 0; i < 3; i++) least = std::min(least, point_triangle_distance2(b[i], a));
+  for (int i = 1; i < 3; i++)
+    least = std::min(least, point_triangle_distance2(a[i], b));
+  for (int i = 0; i < 3; i++)
+    least = std::min(least, point_triangle_distance2(b[i], a));
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
       least = std::min(least, segment_distance2(a[i], a[(i + 1) % 3], b[j], b[(j + 1) % 3]));

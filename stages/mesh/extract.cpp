@@ -11,7 +11,8 @@
 namespace conceg::mesh {
 namespace {
 
-// An edge of the split runs from a lower node along (dx, dy, dz) in {0, 1}^3. In a cube: lower corner and direction, as bits.
+// An edge of the split runs from a lower node along (dx, dy, dz) in {0, 1}^3. In a cube: lower corner and
+// direction, as bits.
 struct CubeEdge {
   int corner, direction;
 };
@@ -25,21 +26,25 @@ public:
     do {
       const bool even = axes[1] == (axes[0] + 1) % 3;
       const std::array<int, 4> corner = {0, 1 << axes[0], (1 << axes[0]) | (1 << axes[1]), 7};
-      for (int inside = 0; inside < 256; inside++) add_tetrahedron(inside, corner, even);
+      for (int inside = 0; inside < 256; inside++)
+        add_tetrahedron(inside, corner, even);
     } while (std::next_permutation(axes, axes + 3));
   }
-  const std::vector<CubeFace> &operator[](int inside) const { return faces_[static_cast<std::size_t>(inside)]; }
+  const std::vector<CubeFace> &operator[](int inside) const {
+    return faces_[static_cast<std::size_t>(inside)];
+  }
 
 private:
   void add_tetrahedron(int inside, const std::array<int, 4> &corner, bool even) {
     int in[4], out[4], ins = 0, outs = 0;
-    for (int i = 0; i < 4; i++) (inside >> corner[i] & 1 ? in[ins++] : out[outs++]) = i;
+    for (int i = 0; i < 4; i++)
+      (inside >> corner[i] & 1 ? in[ins++] : out[outs++]) = i;
     if (ins == 1) add_corner(inside, corner, in[0], even);
     if (ins == 3) add_corner(inside, corner, out[0], !even);
     if (ins == 2) {
       const bool turned = parity({in[0], in[1], out[0], out[1]}) ^ !even;
-      const CubeEdge a = edge(corner, in[0], out[0]), b = edge(corner, in[0], out[1]), c = edge(corner, in[1], out[1]),
-                     d = edge(corner, in[1], out[0]);
+      const CubeEdge a = edge(corner, in[0], out[0]), b = edge(corner, in[0], out[1]),
+                     c = edge(corner, in[1], out[1]), d = edge(corner, in[1], out[0]);
       add(inside, {a, b, c}, turned);
       add(inside, {a, c, d}, turned);
     }
@@ -47,7 +52,9 @@ private:
   // The triangle that cuts off one corner, facing away from it where the tetrahedron is positive.
   void add_corner(int inside, const std::array<int, 4> &corner, int lone, bool positive) {
     static constexpr int others[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-    add(inside, {edge(corner, lone, others[lone][0]), edge(corner, lone, others[lone][1]), edge(corner, lone, others[lone][2])},
+    add(inside,
+        {edge(corner, lone, others[lone][0]), edge(corner, lone, others[lone][1]),
+         edge(corner, lone, others[lone][2])},
         !positive);
   }
   void add(int inside, CubeFace face, bool turned) {
@@ -60,7 +67,8 @@ private:
   static bool parity(const std::array<int, 4> &order) {
     bool odd = false;
     for (int i = 0; i < 4; i++)
-      for (int j = i + 1; j < 4; j++) odd ^= order[i] > order[j];
+      for (int j = i + 1; j < 4; j++)
+        odd ^= order[i] > order[j];
     return odd;
   }
   std::array<std::vector<CubeFace>, 256> faces_;
@@ -78,12 +86,15 @@ constexpr int kKeyBits = 20, kKeyOffset = 1 << (kKeyBits - 1);
 
 std::uint64_t key_of(const glm::ivec3 &node, int direction) {
   const auto bits = [](int n) { return static_cast<std::uint64_t>(n + kKeyOffset); };
-  return (((bits(node.z) << kKeyBits | bits(node.y)) << kKeyBits | bits(node.x)) << 3) | static_cast<std::uint64_t>(direction);
+  return (((bits(node.z) << kKeyBits | bits(node.y)) << kKeyBits | bits(node.x)) << 3) |
+         static_cast<std::uint64_t>(direction);
 }
 
 glm::ivec3 node_of(std::uint64_t key) {
   constexpr std::uint64_t mask = (1u << kKeyBits) - 1;
-  const auto node = [&](int axis) { return static_cast<int>(key >> (3 + axis * kKeyBits) & mask) - kKeyOffset; };
+  const auto node = [&](int axis) {
+    return static_cast<int>(key >> (3 + axis * kKeyBits) & mask) - kKeyOffset;
+  };
   return {node(0), node(1), node(2)};
 }
 
@@ -100,8 +111,8 @@ std::uint64_t spread(std::uint64_t x) {
   return (x | x << 2) & 0x1249249249249249ull;
 }
 
-// Place of a key on a space-filling curve (Morton) through the nodes, seen from the cell's own node: neighbours in space are
-// neighbours in memory, which is what simplification is bound by.
+// Place of a key on a space-filling curve (Morton) through the nodes, seen from the cell's own node:
+// neighbours in space are neighbours in memory, which is what simplification is bound by.
 std::uint64_t curve(std::uint64_t key, const glm::ivec3 &centre) {
   constexpr std::uint64_t mask = (1u << kKeyBits) - 1;
   const glm::ivec3 node = node_of(key) - centre + kKeyOffset;
@@ -123,8 +134,10 @@ public:
     out.cell = field.label[label].cell;
     sign_rows(field.cubes);
     for (int z = 0; z < field.cubes.z; z++)
-      for (int y = 0; y < field.cubes.y; y++) march_row(y, z, field.cubes.x, out);
-    for (const std::uint32_t slot : used_) slot_[slot] = kNone;
+      for (int y = 0; y < field.cubes.y; y++)
+        march_row(y, z, field.cubes.x, out);
+    for (const std::uint32_t slot : used_)
+      slot_[slot] = kNone;
     used_.clear();
     return !out.face.empty();
   }
@@ -135,7 +148,8 @@ private:
       for (int y = 0; y <= cubes.y; y++) {
         const float *row = value_ + (z * kRow + y) * kRow;
         std::uint32_t bits = 0;
-        for (int x = 0; x < kRow; x++) bits |= static_cast<std::uint32_t>(row[x] < 0) << x;
+        for (int x = 0; x < kRow; x++)
+          bits |= static_cast<std::uint32_t>(row[x] < 0) << x;
         sign_[z][y] = bits;
       }
   }
@@ -149,7 +163,8 @@ private:
       const auto pair = [x](std::uint32_t bits) { return static_cast<int>(bits >> x & 3); };
       const int inside = pair(a) | pair(b) << 2 | pair(c) << 4 | pair(d) << 6;
       for (const CubeFace &face : table()[inside])
-        out.face.push_back({vertex(x, y, z, face[0], out), vertex(x, y, z, face[1], out), vertex(x, y, z, face[2], out)});
+        out.face.push_back(
+            {vertex(x, y, z, face[0], out), vertex(x, y, z, face[1], out), vertex(x, y, z, face[2], out)});
     }
   }
 
@@ -183,13 +198,15 @@ private:
 void order_faces(std::vector<glm::uvec3> &faces, std::size_t vertices) {
   std::vector<std::uint32_t> start(vertices + 1);
   for (glm::uvec3 &f : faces) {
-    while (f.x > f.y || f.x > f.z) f = {f.y, f.z, f.x};
+    while (f.x > f.y || f.x > f.z)
+      f = {f.y, f.z, f.x};
     start[f.x + 1]++;
   }
   std::partial_sum(start.begin(), start.end(), start.begin());
   std::vector<glm::uvec3> sorted(faces.size());
   std::vector<std::uint32_t> next(start.begin(), start.end() - 1);
-  for (const glm::uvec3 &f : faces) sorted[next[f.x]++] = f;
+  for (const glm::uvec3 &f : faces)
+    sorted[next[f.x]++] = f;
   for (std::size_t v = 0; v < vertices; v++)
     std::sort(sorted.begin() + start[v], sorted.begin() + start[v + 1],
               [](const glm::uvec3 &l, const glm::uvec3 &r) { return l.y != r.y ? l.y < r.y : l.z < r.z; });
@@ -209,13 +226,19 @@ Surface join(const Grid &grid, std::vector<Chunk *> &chunks, std::uint32_t cell,
   const glm::dvec3 centre = grid.voxel_of(origin);
   const glm::ivec3 own(glm::floor(centre));
   std::size_t vertices = 0, faces = 0;
-  for (const Chunk *chunk : chunks) vertices += chunk->key.size(), faces += chunk->face.size();
-  if (vertices >= kNone) fail(CONCEG_E_RANGE, "cell %u: its surface has too many vertices (%zu); use a larger h_um", cell, vertices);
+  for (const Chunk *chunk : chunks)
+    vertices += chunk->key.size(), faces += chunk->face.size();
+  if (vertices >= kNone)
+    fail(CONCEG_E_RANGE, "cell %u: its surface has too many vertices (%zu); use a larger h_um", cell,
+         vertices);
   found.reserve(vertices);
   for (const Chunk *chunk : chunks)
     for (std::size_t i = 0; i < chunk->key.size(); i++)
-      found.push_back({curve(chunk->key[i], own), chunk->key[i], static_cast<std::uint32_t>(found.size()), chunk->part[i]});
-  std::sort(found.begin(), found.end(), [](const Found &l, const Found &r) { return l.place != r.place ? l.place < r.place : l.index < r.index; });
+      found.push_back({curve(chunk->key[i], own), chunk->key[i], static_cast<std::uint32_t>(found.size()),
+                       chunk->part[i]});
+  std::sort(found.begin(), found.end(), [](const Found &l, const Found &r) {
+    return l.place != r.place ? l.place < r.place : l.index < r.index;
+  });
   std::vector<std::uint32_t> number(vertices);
   for (std::size_t i = 0; i < found.size(); i++) {
     if (i == 0 || found[i].key != found[i - 1].key)
@@ -225,7 +248,8 @@ Surface join(const Grid &grid, std::vector<Chunk *> &chunks, std::uint32_t cell,
   surface.face.reserve(faces);
   std::uint32_t base = 0;
   for (Chunk *chunk : chunks) {
-    for (const glm::uvec3 &f : chunk->face) surface.face.push_back({number[base + f.x], number[base + f.y], number[base + f.z]});
+    for (const glm::uvec3 &f : chunk->face)
+      surface.face.push_back({number[base + f.x], number[base + f.y], number[base + f.z]});
     base += static_cast<std::uint32_t>(chunk->key.size());
     *chunk = Chunk();
   }
@@ -235,8 +259,9 @@ Surface join(const Grid &grid, std::vector<Chunk *> &chunks, std::uint32_t cell,
 
 } // namespace
 
-std::vector<Surface> extract_surfaces(const Scene &scene, const Index &index, const std::vector<glm::dvec3> &origin,
-                                      Workers &workers, const Progress &progress) {
+std::vector<Surface> extract_surfaces(const Scene &scene, const Index &index,
+                                      const std::vector<glm::dvec3> &origin, Workers &workers,
+                                      const Progress &progress) {
   std::vector<std::vector<Chunk>> blocks(index.block.size());
   std::atomic<std::uint64_t> done{0};
   workers.loop(blocks.size(), 1, [&](std::size_t row, unsigned) {
@@ -252,7 +277,8 @@ std::vector<Surface> extract_surfaces(const Scene &scene, const Index &index, co
   });
   std::vector<std::vector<Chunk *>> of_cell(scene.cells);
   for (auto &block : blocks)
-    for (Chunk &chunk : block) of_cell[chunk.cell].push_back(&chunk);
+    for (Chunk &chunk : block)
+      of_cell[chunk.cell].push_back(&chunk);
   std::vector<Surface> surfaces(scene.cells);
   done = 0;
   workers.loop(scene.cells, 1, [&](std::size_t cell, unsigned) {

@@ -14,10 +14,10 @@ namespace {
 
 // A cone with what its distance needs, in units, relative to point a.
 struct Shape {
-  glm::dvec3 axis;                    // unit vector a -> b, zero for a ball
+  glm::dvec3 axis;                     // unit vector a -> b, zero for a ball
   double length, inverse_length, tilt; // tilt = s / sqrt(1 - s^2), s = (rb - ra) / length
-  double ra, slope;                   // slope = rb - ra
-  glm::ivec3 a;                       // fixed point
+  double ra, slope;                    // slope = rb - ra
+  glm::ivec3 a;                        // fixed point
 };
 
 Shape shape_of(const Grid &grid, const Cone &cone) {
@@ -42,7 +42,8 @@ double shape_distance(const Shape &shape, const glm::dvec3 &from_a) {
   const double along = glm::dot(from_a, shape.axis);
   const glm::dvec3 across = from_a - along * shape.axis;
   const double across2 = glm::dot(across, across);
-  const double t = std::min(1.0, std::max(0.0, (along + std::sqrt(across2) * shape.tilt) * shape.inverse_length));
+  const double t =
+      std::min(1.0, std::max(0.0, (along + std::sqrt(across2) * shape.tilt) * shape.inverse_length));
   const double rest = along - t * shape.length;
   return std::sqrt(across2 + rest * rest) - (shape.ra + t * shape.slope);
 }
@@ -62,7 +63,8 @@ void axis_images(const Grid &grid, int axis, double low, double high, std::vecto
     lift1 = static_cast<int>(std::floor((size - low) / size));
   }
   for (int lift = lift0; lift <= lift1; lift++) {
-    const double from = low + double(lift) * size - grid.low[axis], to = high + double(lift) * size - grid.low[axis];
+    const double from = low + double(lift) * size - grid.low[axis],
+                 to = high + double(lift) * size - grid.low[axis];
     const int first = std::max(0, static_cast<int>(std::ceil((from - kBlock) / kBlock)));
     const int last = std::min(blocks - 1, static_cast<int>(std::floor(to / kBlock)));
     if (first <= last) out.push_back({lift, first, last});
@@ -70,12 +72,14 @@ void axis_images(const Grid &grid, int axis, double low, double high, std::vecto
 }
 
 // False when no node of the block can be within reach: distance at the centre less half the diagonal.
-bool block_feels(const Scene &scene, const Shape &shape, float reach, const glm::ivec3 &block, const glm::ivec3 &lift) {
+bool block_feels(const Scene &scene, const Shape &shape, float reach, const glm::ivec3 &block,
+                 const glm::ivec3 &lift) {
   const Grid &grid = scene.grid;
   const glm::dvec3 centre = glm::dvec3(grid.low + block * kBlock - lift * grid.size) + 0.5 * kBlock;
   const glm::dvec3 scale(grid.scale);
   const double diagonal = 0.5 * kBlock * glm::length(scale);
-  return shape_distance(shape, (centre - glm::dvec3(shape.a) / double(kFixed)) * scale) - diagonal < reach + 0.01;
+  return shape_distance(shape, (centre - glm::dvec3(shape.a) / double(kFixed)) * scale) - diagonal <
+         reach + 0.01;
 }
 
 void index_cone(const Scene &scene, std::uint32_t number, std::vector<IndexEntry> &out) {
@@ -97,7 +101,8 @@ void index_cone(const Scene &scene, std::uint32_t number, std::vector<IndexEntry
           for (int y = iy.first; y <= iy.last; y++)
             for (int x = ix.first; x <= ix.last; x++)
               if (block_feels(scene, shape, reach, {x, y, z}, lift))
-                out.push_back({static_cast<std::uint32_t>((z * blocks.y + y) * blocks.x + x), number,
+                out.push_back({static_cast<std::uint32_t>((z * blocks.y + y) * blocks.x + x),
+                               number,
                                {static_cast<std::int16_t>(lift.x), static_cast<std::int16_t>(lift.y),
                                 static_cast<std::int16_t>(lift.z)}});
       }
@@ -105,7 +110,8 @@ void index_cone(const Scene &scene, std::uint32_t number, std::vector<IndexEntry
 
 // ---- Evaluation of one block ----
 
-// A cone in a block: single precision, relative to the block's first node. The differences to nodes are exact.
+// A cone in a block: single precision, relative to the block's first node. The differences to nodes are
+// exact.
 struct LocalCone {
   float a[3], axis[3], length, inverse_length, tilt, ra, slope, reach;
   int low[3], high[3]; // local nodes that can be within reach
@@ -122,18 +128,22 @@ LocalCone local_cone(const Scene &scene, const IndexEntry &entry, const glm::ive
     const int shift = (entry.lift[axis] * grid.size[axis] - first[axis]) * kFixed;
     local.a[axis] = static_cast<float>(shape.a[axis] + shift) * (1.0f / kFixed);
     local.axis[axis] = static_cast<float>(shape.axis[axis]);
-    const double low = (std::min(cone.a[axis], cone.b[axis]) + shift) / double(kFixed) - margin / grid.scale[axis];
-    const double high = (std::max(cone.a[axis], cone.b[axis]) + shift) / double(kFixed) + margin / grid.scale[axis];
+    const double low =
+        (std::min(cone.a[axis], cone.b[axis]) + shift) / double(kFixed) - margin / grid.scale[axis];
+    const double high =
+        (std::max(cone.a[axis], cone.b[axis]) + shift) / double(kFixed) + margin / grid.scale[axis];
     local.low[axis] = std::max(0, static_cast<int>(std::ceil(low)));
     local.high[axis] = std::min(kRow - 1, static_cast<int>(std::floor(high)));
   }
-  local.length = static_cast<float>(shape.length), local.inverse_length = static_cast<float>(shape.inverse_length);
+  local.length = static_cast<float>(shape.length),
+  local.inverse_length = static_cast<float>(shape.inverse_length);
   local.tilt = static_cast<float>(shape.tilt);
   local.ra = static_cast<float>(shape.ra), local.slope = static_cast<float>(shape.slope);
   return local;
 }
 
-// Minimum of a row of nodes with the distances to one cone. One code path for every row: same bits everywhere.
+// Minimum of a row of nodes with the distances to one cone. One code path for every row: same bits
+// everywhere.
 void cone_row(float *value, const LocalCone &cone, const glm::vec3 &scale, float dy, float dz) {
   const float ux = cone.axis[0], uy = cone.axis[1], uz = cone.axis[2], ax = cone.a[0], sx = scale.x;
   const float row_along = dy * uy + dz * uz;
@@ -189,7 +199,9 @@ void evaluate_labels(const Scene &scene, const Index &index, std::size_t row, Bl
       const std::uint32_t section = scene.cone[index.entry[i].cone].section;
       float *target = first_section ? value : section_value.data();
       std::fill(target, target + kNodes, kFar);
-      for (; i < end && same_label(scene, head, index.entry[i]) && scene.cone[index.entry[i].cone].section == section; i++)
+      for (; i < end && same_label(scene, head, index.entry[i]) &&
+             scene.cone[index.entry[i].cone].section == section;
+           i++)
         add_cone(target, local_cone(scene, index.entry[i], out.first), scene.grid.scale);
       if (!first_section) blend(value, target, scene.section[section].blend);
       first_section = false;
@@ -197,8 +209,9 @@ void evaluate_labels(const Scene &scene, const Index &index, std::size_t row, Bl
   }
 }
 
-// phi_i' = max(psi_i, (psi_i - m_i)/2 + g/2), m_i the smallest value of the others; then small values snap upwards.
-void separate(BlockField &field, float gap) {
+// phi_i' = max(psi_i, (psi_i - m_i)/2 + g/2), m_i the smallest value of the others; then small values snap
+// upwards.
+void separate(BlockField &field, float gap, float snap) {
   static thread_local std::vector<float> nearest, second;
   nearest.assign(kNodes, kFar);
   second.assign(kNodes, kFar);
@@ -217,7 +230,7 @@ void separate(BlockField &field, float gap) {
       const float v = value[i], other = v == nearest[i] ? second[i] : nearest[i];
       const float split = 0.5f * (v - other) + half_gap;
       const float apart = split > v ? split : v;
-      value[i] = apart < kSnap && apart > -kSnap ? kSnap : apart;
+      value[i] = apart < snap && apart > -snap ? snap : apart;
     }
   }
 }
@@ -238,11 +251,13 @@ Index make_index(const Scene &scene, Workers &workers, const Progress &progress)
   });
   report(progress, "mesh: index", 1, 2);
   Index index;
-  for (const auto &part : parts) index.entry.insert(index.entry.end(), part.begin(), part.end());
+  for (const auto &part : parts)
+    index.entry.insert(index.entry.end(), part.begin(), part.end());
   const auto key = [&](const IndexEntry &e) {
     return std::make_tuple(e.block, scene.cone[e.cone].cell, e.lift[2], e.lift[1], e.lift[0], e.cone);
   };
-  std::sort(index.entry.begin(), index.entry.end(), [&](const IndexEntry &l, const IndexEntry &r) { return key(l) < key(r); });
+  std::sort(index.entry.begin(), index.entry.end(),
+            [&](const IndexEntry &l, const IndexEntry &r) { return key(l) < key(r); });
   for (std::size_t i = 0; i < index.entry.size(); i++)
     if (i == 0 || index.entry[i].block != index.entry[i - 1].block) {
       index.block.push_back(index.entry[i].block);
@@ -262,10 +277,11 @@ void evaluate_block(const Scene &scene, const Index &index, std::size_t row, Blo
   out.label.clear();
   out.value.clear();
   evaluate_labels(scene, index, row, out);
-  separate(out, static_cast<float>(scene.gap));
+  separate(out, static_cast<float>(scene.gap), scene.snap);
 }
 
-std::int64_t nearest_cone(const Scene &scene, const Index &index, std::uint32_t cell, const glm::dvec3 &voxel) {
+std::int64_t nearest_cone(const Scene &scene, const Index &index, std::uint32_t cell,
+                          const glm::dvec3 &voxel) {
   const Grid &grid = scene.grid;
   const glm::ivec3 blocks = grid.blocks();
   glm::ivec3 lift(0), at;
@@ -281,12 +297,15 @@ std::int64_t nearest_cone(const Scene &scene, const Index &index, std::uint32_t 
   const std::size_t row = static_cast<std::size_t>(found - index.block.begin());
   const auto first = index.entry.begin() + static_cast<std::ptrdiff_t>(index.offset[row]);
   const auto last = index.entry.begin() + static_cast<std::ptrdiff_t>(index.offset[row + 1]);
-  const auto key = [&](const IndexEntry &e) { return std::make_tuple(scene.cone[e.cone].cell, e.lift[2], e.lift[1], e.lift[0]); };
-  const auto wanted = std::make_tuple(cell, static_cast<std::int16_t>(lift.z), static_cast<std::int16_t>(lift.y),
-                                      static_cast<std::int16_t>(lift.x));
+  const auto key = [&](const IndexEntry &e) {
+    return std::make_tuple(scene.cone[e.cone].cell, e.lift[2], e.lift[1], e.lift[0]);
+  };
+  const auto wanted = std::make_tuple(cell, static_cast<std::int16_t>(lift.z),
+                                      static_cast<std::int16_t>(lift.y), static_cast<std::int16_t>(lift.x));
   std::int64_t best = -1;
   double least = 0;
-  for (auto it = std::lower_bound(first, last, wanted, [&](const IndexEntry &e, const auto &w) { return key(e) < w; });
+  for (auto it = std::lower_bound(first, last, wanted,
+                                  [&](const IndexEntry &e, const auto &w) { return key(e) < w; });
        it != last && key(*it) == wanted; ++it) {
     const double distance = cone_distance(grid, scene.cone[it->cone], voxel);
     if (best < 0 || distance < least) best = it->cone, least = distance;

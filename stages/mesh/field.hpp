@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The signed distance field of every label in blocks of 16^3 cubes. A label is (cell, periodic lift): the image of the
-// cell moved by lift * side. Values are separated, so that the insides of two labels never meet (README, equation 3).
+// The signed distance field of every label in blocks of 16^3 cubes. A label is (cell, periodic lift): the
+// image of the cell moved by lift * side. Values are separated, so that the insides of two labels never meet
+// (README, equation 3).
 #pragma once
 
 #include "cones.hpp"
@@ -8,9 +9,9 @@
 
 namespace conceg::mesh {
 
-constexpr int kRow = kBlock + 1;                // nodes along the edge of a block
+constexpr int kRow = kBlock + 1; // nodes along the edge of a block
 constexpr int kNodes = kRow * kRow * kRow;
-constexpr float kFar = 1e9f;                    // value of nodes out of reach
+constexpr float kFar = 1e9f; // value of nodes out of reach
 
 // One cone image that some node of a block can feel.
 struct IndexEntry {
@@ -35,8 +36,8 @@ struct Label {
 
 // The labels of one block and their separated values, node (x, y, z) at (z * kRow + y) * kRow + x.
 struct BlockField {
-  glm::ivec3 first{};  // node at local (0, 0, 0)
-  glm::ivec3 cubes{};  // cubes of this block, at most kBlock on each axis
+  glm::ivec3 first{}; // node at local (0, 0, 0)
+  glm::ivec3 cubes{}; // cubes of this block, at most kBlock on each axis
   std::vector<Label> label;
   std::vector<float> value; // label.size() * kNodes, units of distance
   float *of(std::size_t i) { return value.data() + i * kNodes; }
@@ -49,7 +50,9 @@ void evaluate_block(const Scene &scene, const Index &index, std::size_t row, Blo
 // Exact distance of a point (voxels, unwrapped) to one cone, in units. Double precision, for single points.
 double cone_distance(const Grid &grid, const Cone &cone, const glm::dvec3 &voxel);
 
-// The cone of `cell` nearest to a point given in unwrapped voxels; -1 when none is within reach of the point's block.
-std::int64_t nearest_cone(const Scene &scene, const Index &index, std::uint32_t cell, const glm::dvec3 &voxel);
+// The cone of `cell` nearest to a point given in unwrapped voxels; -1 when none is within reach of the
+// point's block.
+std::int64_t nearest_cone(const Scene &scene, const Index &index, std::uint32_t cell,
+                          const glm::dvec3 &voxel);
 
 } // namespace conceg::mesh

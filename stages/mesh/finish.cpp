@@ -18,11 +18,12 @@ struct Locks {
   std::vector<std::uint8_t> whole;
 };
 
-void simplify_all(const std::vector<Surface> &base, const Locks &locks, std::vector<std::uint32_t> todo, double tolerance,
-                  std::vector<Surface> &out, Workers &workers, const Progress &progress) {
+void simplify_all(const std::vector<Surface> &base, const Locks &locks, std::vector<std::uint32_t> todo,
+                  double tolerance, std::vector<Surface> &out, Workers &workers, const Progress &progress) {
   // Large ones first, so that the last task is a small one.
-  std::stable_sort(todo.begin(), todo.end(),
-                   [&](std::uint32_t l, std::uint32_t r) { return base[l].face.size() > base[r].face.size(); });
+  std::stable_sort(todo.begin(), todo.end(), [&](std::uint32_t l, std::uint32_t r) {
+    return base[l].face.size() > base[r].face.size();
+  });
   std::atomic<std::size_t> next{0};
   std::atomic<std::uint64_t> done{0};
   std::atomic<bool> stop{false};
@@ -38,18 +39,21 @@ void simplify_all(const std::vector<Surface> &base, const Locks &locks, std::vec
   if (stop) throw Error(CONCEG_E_CANCELLED, "");
 }
 
-// Places of one surface that go back to the base mesh: a set of cubes of edge `width`, relative to the surface's origin.
+// Places of one surface that go back to the base mesh: a set of cubes of edge `width`, relative to the
+// surface's origin.
 class Zone {
 public:
   explicit Zone(double width) : inverse_(1 / width) {}
   // The cubes that a face and one cube around it touch.
   void add(const Surface &current, std::uint32_t face) {
     const glm::uvec3 &f = current.face[face];
-    const glm::ivec3 a = cube(current.vertex[f.x]), b = cube(current.vertex[f.y]), c = cube(current.vertex[f.z]);
+    const glm::ivec3 a = cube(current.vertex[f.x]), b = cube(current.vertex[f.y]),
+                     c = cube(current.vertex[f.z]);
     const glm::ivec3 low = glm::min(glm::min(a, b), c) - 1, high = glm::max(glm::max(a, b), c) + 1;
     for (int z = low.z; z <= high.z; z++)
       for (int y = low.y; y <= high.y; y++)
-        for (int x = low.x; x <= high.x; x++) cubes_.insert(key({x, y, z}));
+        for (int x = low.x; x <= high.x; x++)
+          cubes_.insert(key({x, y, z}));
   }
   bool empty() const { return cubes_.empty(); }
   void lock(const Surface &base, std::vector<std::uint8_t> &locked) const {
@@ -70,13 +74,16 @@ private:
 
 // Locks what the defects touch and tells which surfaces the next round redoes.
 std::vector<std::uint32_t> plan_repair(const std::vector<Surface> &base, const std::vector<Surface> &current,
-                                       const std::vector<Defect> &defects, double width, bool last, Locks &locks) {
+                                       const std::vector<Defect> &defects, double width, bool last,
+                                       Locks &locks) {
   std::vector<Zone> zone(base.size(), Zone(width));
   std::vector<std::uint8_t> affected(base.size());
   const auto mark = [&](std::uint32_t surface, std::uint32_t face, bool whole) {
     affected[surface] = 1;
-    if (whole) locks.whole[surface] = 1;
-    else zone[surface].add(current[surface], face);
+    if (whole)
+      locks.whole[surface] = 1;
+    else
+      zone[surface].add(current[surface], face);
   };
   for (const Defect &defect : defects) {
     const bool pair = is_pair(defect.flaw);
@@ -94,8 +101,8 @@ std::vector<std::uint32_t> plan_repair(const std::vector<Surface> &base, const s
 
 } // namespace
 
-Finished finish(const std::vector<Surface> &base, const conceg_box &box, const FinishOptions &options, Workers &workers,
-                const Progress &progress) {
+Finished finish(const std::vector<Surface> &base, const conceg_box &box, const FinishOptions &options,
+                Workers &workers, const Progress &progress) {
   Finished result;
   Locks locks = {std::vector<std::vector<std::uint8_t>>(base.size()), std::vector<std::uint8_t>(base.size())};
   result.surfaces.resize(base.size());
@@ -111,7 +118,8 @@ Finished finish(const std::vector<Surface> &base, const conceg_box &box, const F
     result.rounds = round;
     if (result.check.defects.empty() || !(options.tolerance > 0) || round == options.rounds) return result;
     result.repaired_pairs += result.check.defects.size();
-    todo = plan_repair(base, result.surfaces, result.check.defects, width, round + 1 == options.rounds, locks);
+    todo =
+        plan_repair(base, result.surfaces, result.check.defects, width, round + 1 == options.rounds, locks);
   }
 }
 

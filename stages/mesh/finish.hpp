@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From base meshes to the meshes that are written: simplify, check, and where the check finds something go back to the
-// base mesh around that place, until the check finds nothing. A gap below
-// half of the wanted one counts as a find: the base mesh keeps gap / 1.91.
+// From base meshes to the meshes that are written: simplify, check, and where the check finds something go
+// back to the base mesh around that place, until the check finds nothing. A gap below half of the wanted one
+// counts as a find: the base mesh keeps gap / 1.91.
 #pragma once
 
 #include "check.hpp"
@@ -22,7 +22,7 @@ struct Finished {
   std::uint64_t repaired_pairs = 0; // crossings, folds and narrow gaps found on the way
 };
 
-Finished finish(const std::vector<Surface> &base, const conceg_box &box, const FinishOptions &options, Workers &workers,
-                const Progress &progress);
+Finished finish(const std::vector<Surface> &base, const conceg_box &box, const FinishOptions &options,
+                Workers &workers, const Progress &progress);
 
 } // namespace conceg::mesh

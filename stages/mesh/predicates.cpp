@@ -11,7 +11,9 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
 
-Point point(const glm::dvec3 &p) { return {p.x, p.y, p.z}; }
+Point point(const glm::dvec3 &p) {
+  return {p.x, p.y, p.z};
+}
 
 // Both on the same side of the plane of t, and not on it.
 bool strictly_beside(const Point &t0, const Point &t1, const Point &t2, const Point &p, const Point &q) {
@@ -36,7 +38,8 @@ bool meet_beyond_vertex(const glm::dvec3 (&a)[3], const glm::dvec3 (&b)[3]) {
 
 bool meet_beyond_edge(const glm::dvec3 (&a)[3], const glm::dvec3 (&b)[3]) {
   const Point e0 = point(a[0]), e1 = point(a[1]), p = point(a[2]), q = point(b[2]);
-  return CGAL::orientation(e0, e1, p, q) == CGAL::COPLANAR && CGAL::coplanar_orientation(e0, e1, p, q) == CGAL::POSITIVE;
+  return CGAL::orientation(e0, e1, p, q) == CGAL::COPLANAR &&
+         CGAL::coplanar_orientation(e0, e1, p, q) == CGAL::POSITIVE;
 }
 
 bool on_one_line(const glm::dvec3 &a, const glm::dvec3 &b, const glm::dvec3 &c) {

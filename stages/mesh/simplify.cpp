@@ -9,15 +9,19 @@
 namespace conceg::mesh {
 namespace {
 
-constexpr int kBuckets = 64;         // of the error, on a square-root scale up to the tolerance
-constexpr double kMean = 0.35;       // root-mean-square distance to the planes allowed, over the tolerance: holds the largest below it
-constexpr double kPull = 3e-3;       // weight of the edge's midpoint against the planes: settles flat and tube-like places
-constexpr double kTurn = 0.3;        // least cosine between a face's normals before and after
-constexpr double kShape = 0.12;      // least quality of a new face (1 = equilateral), unless the old ones were worse
+constexpr int kBuckets = 64; // of the error, on a square-root scale up to the tolerance
+constexpr double kMean =
+    0.35; // root-mean-square distance to the planes allowed, over the tolerance: holds the largest below it
+constexpr double kPull =
+    3e-3; // weight of the edge's midpoint against the planes: settles flat and tube-like places
+constexpr double kTurn = 0.3; // least cosine between a face's normals before and after
+constexpr double kShape =
+    0.12; // least quality of a new face (1 = equilateral), unless the old ones were worse
 constexpr std::size_t kStretch = 1 << 12; // faces whose edges are queued together
-constexpr std::size_t kValence = 24; // most faces around a vertex
+constexpr std::size_t kValence = 24;      // most faces around a vertex
 
-// Area-weighted sum of squared distances to planes: x'Ax + 2b'x + c. The trace of A is the sum of the weights.
+// Area-weighted sum of squared distances to planes: x'Ax + 2b'x + c. The trace of A is the sum of the
+// weights.
 struct Quadric {
   double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0, bx = 0, by = 0, bz = 0, c = 0;
   void add(const Quadric &q) {
@@ -75,21 +79,24 @@ public:
   Simplifier(const Surface &base, double tolerance, const std::vector<std::uint8_t> &locked)
       : base_(base), limit_(kMean * kMean * tolerance * tolerance), locked_(locked), face_(base.face) {
     origin_ = base.vertex.empty() ? glm::dvec3(0) : glm::dvec3(base.vertex[0]);
-    for (const glm::vec3 &v : base.vertex) position_.push_back(glm::dvec3(v) - origin_);
+    for (const glm::vec3 &v : base.vertex)
+      position_.push_back(glm::dvec3(v) - origin_);
     version_.resize(position_.size());
     mark_.resize(position_.size());
     build_rings();
     build_quadrics();
   }
 
-  // Stretch after stretch of the faces, which lie near one another, so that what is at work fits into the cache.
+  // Stretch after stretch of the faces, which lie near one another, so that what is at work fits into the
+  // cache.
   Surface run(const std::function<bool()> &keep_going) {
     for (std::size_t first = 0; first < face_.size(); first += kStretch) {
       if (keep_going && !keep_going()) break;
       queue_edges(first, std::min(face_.size(), first + kStretch));
       Candidate candidate;
       while (queue_.pop(candidate))
-        if (version_[candidate.a] + version_[candidate.b] == candidate.version && !gone(candidate.a) && !gone(candidate.b))
+        if (version_[candidate.a] + version_[candidate.b] == candidate.version && !gone(candidate.a) &&
+            !gone(candidate.b))
           try_collapse(candidate.a, candidate.b);
     }
     return result();
@@ -103,12 +110,15 @@ private:
   void build_rings() {
     first_.resize(position_.size());
     count_.resize(position_.size());
-    for (const glm::uvec3 &f : face_) count_[f.x]++, count_[f.y]++, count_[f.z]++;
+    for (const glm::uvec3 &f : face_)
+      count_[f.x]++, count_[f.y]++, count_[f.z]++;
     std::uint32_t next = 0;
-    for (std::size_t v = 0; v < first_.size(); v++) first_[v] = next, next += count_[v], count_[v] = 0;
+    for (std::size_t v = 0; v < first_.size(); v++)
+      first_[v] = next, next += count_[v], count_[v] = 0;
     pool_.resize(next);
     for (std::uint32_t f = 0; f < face_.size(); f++)
-      for (int i = 0; i < 3; i++) pool_[first_[face_[f][i]] + count_[face_[f][i]]++] = f;
+      for (int i = 0; i < 3; i++)
+        pool_[first_[face_[f][i]] + count_[face_[f][i]]++] = f;
   }
 
   void build_quadrics() {
@@ -119,7 +129,8 @@ private:
       if (!(twice_area > 0)) continue;
       const glm::dvec3 n = normal / twice_area;
       const Quadric q = plane_quadric(n, -glm::dot(n, a), twice_area);
-      for (int i = 0; i < 3; i++) quadric_[face_[f][i]].add(q);
+      for (int i = 0; i < 3; i++)
+        quadric_[face_[f][i]].add(q);
     }
   }
 
@@ -136,7 +147,8 @@ private:
     const double error = q.at(best_point(q, a, b)) / q.weight();
     if (!(error < limit_)) return;
     const double share = std::sqrt(std::max(0.0, error) / limit_);
-    queue_.push(std::min(kBuckets - 1, static_cast<int>(share * kBuckets)), {a, b, version_[a] + version_[b]});
+    queue_.push(std::min(kBuckets - 1, static_cast<int>(share * kBuckets)),
+                {a, b, version_[a] + version_[b]});
   }
 
   // Minimum of the quadric plus a weak pull to the midpoint, which makes the system definite.
@@ -151,16 +163,19 @@ private:
     const double cyy = xx * zz - q.xz * q.xz, cyz = q.xy * q.xz - xx * q.yz, czz = xx * yy - q.xy * q.xy;
     const double determinant = xx * cxx + q.xy * cxy + q.xz * cxz;
     if (!(determinant > 0)) return middle;
-    const glm::dvec3 step(cxx * right.x + cxy * right.y + cxz * right.z, cxy * right.x + cyy * right.y + cyz * right.z,
+    const glm::dvec3 step(cxx * right.x + cxy * right.y + cxz * right.z,
+                          cxy * right.x + cyy * right.y + cyz * right.z,
                           cxz * right.x + cyz * right.y + czz * right.z);
     return middle + step / determinant;
   }
 
-  // The two faces at an edge are the only triangles over common neighbours, and none of those neighbours loses its ring.
+  // The two faces at an edge are the only triangles over common neighbours, and none of those neighbours
+  // loses its ring.
   bool link_holds(std::uint32_t a, std::uint32_t b) {
     stamp_ += 2;
     for (std::uint32_t i = 0; i < count_[a]; i++)
-      for (int k = 0; k < 3; k++) mark_[face_[pool_[first_[a] + i]][k]] = stamp_;
+      for (int k = 0; k < 3; k++)
+        mark_[face_[pool_[first_[a] + i]][k]] = stamp_;
     mark_[a] = mark_[b] = 0;
     std::uint32_t shared = 0;
     for (std::uint32_t i = 0; i < count_[b]; i++)
@@ -178,8 +193,10 @@ private:
     return 3.4641016151377544 * twice_area / (glm::dot(e, e) + glm::dot(f, f) + glm::dot(g, g));
   }
 
-  // The faces that `moved` keeps when it goes to x and the edge to `other` vanishes: none may turn over or get too thin.
-  bool faces_hold(std::uint32_t moved, std::uint32_t other, const glm::dvec3 &x, double &least_old, double &least_new) const {
+  // The faces that `moved` keeps when it goes to x and the edge to `other` vanishes: none may turn over or
+  // get too thin.
+  bool faces_hold(std::uint32_t moved, std::uint32_t other, const glm::dvec3 &x, double &least_old,
+                  double &least_new) const {
     for (std::uint32_t i = 0; i < count_[moved]; i++) {
       const std::uint32_t f = pool_[first_[moved] + i];
       glm::dvec3 p[3] = {corner(f, 0), corner(f, 1), corner(f, 2)};
@@ -213,8 +230,10 @@ private:
     ring_.clear();
     for (std::uint32_t i = 0; i < count_[a]; i++) {
       const std::uint32_t f = pool_[first_[a] + i];
-      if (face_[f].x == b || face_[f].y == b || face_[f].z == b) drop_face(f, a, b);
-      else ring_.push_back(f);
+      if (face_[f].x == b || face_[f].y == b || face_[f].z == b)
+        drop_face(f, a, b);
+      else
+        ring_.push_back(f);
     }
     for (std::uint32_t i = 0; i < count_[b]; i++) {
       const std::uint32_t f = pool_[first_[b] + i];
@@ -236,7 +255,8 @@ private:
       }
   }
 
-  // Takes a face of the edge a-b away: out of the ring of its third vertex, and marked by three equal corners.
+  // Takes a face of the edge a-b away: out of the ring of its third vertex, and marked by three equal
+  // corners.
   void drop_face(std::uint32_t f, std::uint32_t a, std::uint32_t b) {
     std::uint32_t third = face_[f].x;
     for (int k = 0; k < 3; k++)
@@ -251,8 +271,10 @@ private:
   void store_ring(std::uint32_t a, std::uint32_t b) {
     const auto count = static_cast<std::uint32_t>(ring_.size());
     if (count > count_[a]) {
-      if (count <= count_[b]) first_[a] = first_[b];
-      else first_[a] = static_cast<std::uint32_t>(pool_.size()), pool_.resize(pool_.size() + count);
+      if (count <= count_[b])
+        first_[a] = first_[b];
+      else
+        first_[a] = static_cast<std::uint32_t>(pool_.size()), pool_.resize(pool_.size() + count);
     }
     std::copy(ring_.begin(), ring_.end(), pool_.begin() + first_[a]);
     count_[a] = count, count_[b] = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Quadric edge collapse of one closed surface with guards: the result stays closed and manifold, no face turns over, and
-// every vertex stays within the tolerance of the planes that it stands for.
+// Quadric edge collapse of one closed surface with guards: the result stays closed and manifold, no face
+// turns over, and every vertex stays within the tolerance of the planes that it stands for.
 #pragma once
 
 #include "surface.hpp"
@@ -11,8 +11,8 @@
 
 namespace conceg::mesh {
 
-// Locked vertices (empty = none) stay where they are with all their faces. `keep_going` is asked now and then; false stops
-// with an unfinished (still valid) surface.
+// Locked vertices (empty = none) stay where they are with all their faces. `keep_going` is asked now and
+// then; false stops with an unfinished (still valid) surface.
 Surface simplify(const Surface &base, double tolerance, const std::vector<std::uint8_t> &locked,
                  const std::function<bool()> &keep_going);
 

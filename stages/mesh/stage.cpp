@@ -17,13 +17,20 @@ using namespace conceg;
 using namespace conceg::mesh;
 
 const conceg_param parameters[] = {
-    {"h_um", "um", "largest step of the common grid; tubes thinner than 0.92 of it may break", "0.16", nullptr, CONCEG_PARAM_F64, 0, 0.01, 100},
-    {"gap_um", "um", "gap between cells in contact; the meshes keep at least half of it", "0.04", nullptr, CONCEG_PARAM_F64, 0, 0.001, 10},
-    {"inflate_um", "um", "widens all cells before they are separated: packing control (at most a quarter of the radius)", "0", nullptr, CONCEG_PARAM_F64, 0, 0, 10},
-    {"smooth_k", "1", "width of the fillet at forks and at the soma over the local radius", "0.3", nullptr, CONCEG_PARAM_F64, 0, 0, 2},
-    {"tolerance_um", "um", "how far simplification may move a surface, at most gap_um / 2; 0 = the base mesh", "0.02", nullptr, CONCEG_PARAM_F64, 0, 0, 10},
+    {"h_um", "um", "largest step of the common grid; tubes thinner than 0.92 of it may break", "0.16",
+     nullptr, CONCEG_PARAM_F64, 0, 0.01, 100},
+    {"gap_um", "um", "gap between cells in contact; the meshes keep at least half of it", "0.04", nullptr,
+     CONCEG_PARAM_F64, 0, 0.001, 10},
+    {"inflate_um", "um",
+     "widens all cells before they are separated: packing control (at most a quarter of the radius)", "0",
+     nullptr, CONCEG_PARAM_F64, 0, 0, 10},
+    {"smooth_k", "1", "width of the fillet at forks and at the soma over the local radius", "0.3", nullptr,
+     CONCEG_PARAM_F64, 0, 0, 2},
+    {"tolerance_um", "um", "how far simplification may move a surface, at most gap_um / 2; 0 = the base mesh",
+     "0.02", nullptr, CONCEG_PARAM_F64, 0, 0, 10},
     {"volumes", "", "write label and distance volumes", "true", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
-    {"volume_step_um", "um", "largest voxel of the volumes; 0 = twice h_um", "0", nullptr, CONCEG_PARAM_F64, 0, 0, 100},
+    {"volume_step_um", "um", "largest voxel of the volumes; 0 = twice h_um", "0", nullptr, CONCEG_PARAM_F64,
+     0, 0, 100},
     {"vdb", "", "also write the volumes as an OpenVDB file", "", nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};
 
@@ -52,17 +59,19 @@ Tissue read_tissue(conceg_doc *doc) {
     tissue.branch.assign(branch.begin(), branch.end());
   }
   const std::size_t points = tissue.point.size();
-  if (tissue.soma_radius.size() != tissue.cells() || tissue.offset.size() != tissue.cells() + 1 || tissue.radius.size() != points ||
-      tissue.parent.size() != points || tissue.kind.size() != points || (!tissue.branch.empty() && tissue.branch.size() != points))
-    fail(CONCEG_E_FORMAT, "/skeleton: expected one offset per cell and one value per point, got arrays of other lengths");
+  if (tissue.soma_radius.size() != tissue.cells() || tissue.offset.size() != tissue.cells() + 1 ||
+      tissue.radius.size() != points || tissue.parent.size() != points || tissue.kind.size() != points ||
+      (!tissue.branch.empty() && tissue.branch.size() != points))
+    fail(CONCEG_E_FORMAT,
+         "/skeleton: expected one offset per cell and one value per point, got arrays of other lengths");
   for (std::size_t cell = 0; cell < tissue.cells(); cell++) {
     const std::uint64_t first = tissue.offset[cell], last = tissue.offset[cell + 1];
     if (last < first || last > points || (cell == 0 && first != 0))
       fail(CONCEG_E_FORMAT, "/skeleton/cell_offset[%zu]: expected ascending offsets up to %zu", cell, points);
     for (std::uint64_t i = first; i < last; i++) {
       if (tissue.parent[i] < -1 || tissue.parent[i] >= static_cast<std::int64_t>(i - first))
-        fail(CONCEG_E_FORMAT, "/skeleton/parent[%zu]: expected -1 or an earlier point of the cell, got %lld", std::size_t(i),
-             static_cast<long long>(tissue.parent[i]));
+        fail(CONCEG_E_FORMAT, "/skeleton/parent[%zu]: expected -1 or an earlier point of the cell, got %lld",
+             std::size_t(i), static_cast<long long>(tissue.parent[i]));
       const glm::dvec3 &p = tissue.point[i];
       if (!std::isfinite(p.x + p.y + p.z) || !(tissue.radius[i] > 0) || !std::isfinite(tissue.radius[i]))
         fail(CONCEG_E_RANGE, "/skeleton[%zu]: expected finite positions and radii above 0", std::size_t(i));
@@ -71,13 +80,17 @@ Tissue read_tissue(conceg_doc *doc) {
   return tissue;
 }
 
-// What the base mesh will take, from the area of the primitives: 9 faces per step^2, and about 80 bytes a face in all.
+// What the base mesh will take, from the area of the primitives: 9 faces per step^2, and about 80 bytes a
+// face in all.
 void predict_cost(conceg_ctx *ctx, const Scene &scene) {
-  const double unit = scene.grid.unit, faces = 9 * primitive_area(scene), bytes = 80 * faces;
-  conceg_ctx_log(ctx, CONCEG_LOG_INFO, "mesh: %.0f um2 of membrane on a grid of %.3f um: about %.2g faces before simplification",
+  const double unit = scene.grid.unit, faces = 9 * primitive_area(scene), bytes = 100 * faces;
+  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                 "mesh: %.0f um2 of membrane on a grid of %.3f um: about %.2g faces before simplification",
                  primitive_area(scene) * unit * unit, unit, faces);
   if (bytes > double(conceg_ctx_memory(ctx)))
-    conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "mesh: about %.1f GB of memory will be needed, more than the %.1f GB asked for; a larger h_um needs less",
+    conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
+                   "mesh: about %.1f GB of memory will be needed, more than the %.1f GB asked for; a larger "
+                   "h_um needs less",
                    1e-9 * bytes, 1e-9 * double(conceg_ctx_memory(ctx)));
 }
 
@@ -89,12 +102,15 @@ void warn_thin(conceg_ctx *ctx, const Scene &scene) {
   }
   if (points)
     conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
-                   "mesh: %zu skeleton points of %zu cells are thinner than %.3f um, which the grid of %.3f um may break (most in cell %zu: %u); "
+                   "mesh: %zu skeleton points of %zu cells are thinner than %.3f um, which the grid of %.3f "
+                   "um may break (most in cell %zu: %u); "
                    "a smaller h_um keeps them",
-                   points, cells, kThinnestTube * scene.grid.unit, scene.grid.unit, worst, scene.thin_points[worst]);
+                   points, cells, kThinnestTube * scene.grid.unit, scene.grid.unit, worst,
+                   scene.thin_points[worst]);
 }
 
-std::vector<Pieces> keep_pieces(conceg_ctx *ctx, const Tissue &tissue, std::vector<Surface> &base, Workers &workers) {
+std::vector<Pieces> keep_pieces(conceg_ctx *ctx, const Tissue &tissue, std::vector<Surface> &base,
+                                Workers &workers) {
   std::vector<Pieces> pieces(base.size());
   workers.loop(base.size(), 1, [&](std::size_t i, unsigned) {
     pieces[i] = keep_soma_piece(base[i], tissue.soma[i] - base[i].origin, tissue.soma_radius[i] > 0);
@@ -102,13 +118,18 @@ std::vector<Pieces> keep_pieces(conceg_ctx *ctx, const Tissue &tissue, std::vect
   for (std::size_t i = 0; i < base.size(); i++) {
     const Pieces &p = pieces[i];
     if (p.detached)
-      conceg_ctx_log(ctx, CONCEG_LOG_INFO, "mesh: cell %zu: %u pieces of together %.2f um3 are cut off from the soma and left out", i,
-                     p.detached, p.detached_volume);
+      conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                     "mesh: cell %zu: %u pieces of together %.2f um3 are cut off from the soma and left out",
+                     i, p.detached, p.detached_volume);
     if (p.cavities)
-      conceg_ctx_log(ctx, CONCEG_LOG_INFO, "mesh: cell %zu: %u cavities of together %.3f um3 are filled", i, p.cavities, p.cavity_volume);
+      conceg_ctx_log(ctx, CONCEG_LOG_INFO, "mesh: cell %zu: %u cavities of together %.3f um3 are filled", i,
+                     p.cavities, p.cavity_volume);
     if (!p.soma_found)
-      conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "mesh: cell %zu: no piece holds the soma's centre; the largest one was kept", i);
-    if (base[i].face.empty()) conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "mesh: cell %zu: nothing of it is large enough for the grid", i);
+      conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
+                     "mesh: cell %zu: no piece holds the soma's centre; the largest one was kept", i);
+    if (base[i].face.empty())
+      conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "mesh: cell %zu: nothing of it is large enough for the grid",
+                     i);
   }
   return pieces;
 }
@@ -144,10 +165,12 @@ void write_geometry(conceg_doc *doc, const std::vector<Surface> &surfaces) {
     }
   std::uint32_t *face = fill<std::uint32_t>(doc, "/meshes/face", face_offset.back(), 3);
   for (const Surface &surface : surfaces)
-    for (const glm::uvec3 &f : surface.face) *face++ = f.x, *face++ = f.y, *face++ = f.z;
+    for (const glm::uvec3 &f : surface.face)
+      *face++ = f.x, *face++ = f.y, *face++ = f.z;
 }
 
-void write_faces(conceg_doc *doc, const Scene &scene, const Index &index, const std::vector<Surface> &surfaces, Workers &workers) {
+void write_faces(conceg_doc *doc, const Scene &scene, const Index &index,
+                 const std::vector<Surface> &surfaces, Workers &workers) {
   std::vector<std::uint8_t> compartment;
   std::vector<std::uint32_t> section;
   for (const Surface &surface : surfaces) {
@@ -160,8 +183,9 @@ void write_faces(conceg_doc *doc, const Scene &scene, const Index &index, const 
   put(doc, "/meshes/section", section);
 }
 
-void write_measures(conceg_doc *doc, const Tissue &tissue, const Scene &scene, const std::vector<Surface> &surfaces,
-                    const CheckResult &check, const std::vector<Pieces> &pieces, double gap) {
+void write_measures(conceg_doc *doc, const Tissue &tissue, const Scene &scene,
+                    const std::vector<Surface> &surfaces, const CheckResult &check,
+                    const std::vector<Pieces> &pieces, double gap) {
   std::vector<double> volumes, areas, detached;
   std::vector<std::int64_t> genus;
   double inside = 0;
@@ -188,25 +212,33 @@ void write_measures(conceg_doc *doc, const Tissue &tissue, const Scene &scene, c
 void write_volumes(conceg_doc *doc, const Volume &volume) {
   put(doc, "/volumes@origin", &volume.origin.x, 3);
   put(doc, "/volumes@spacing", &volume.spacing.x, 3);
-  const std::uint64_t shape[3] = {std::uint64_t(volume.shape.x), std::uint64_t(volume.shape.y), std::uint64_t(volume.shape.z)};
+  const std::uint64_t shape[3] = {std::uint64_t(volume.shape.x), std::uint64_t(volume.shape.y),
+                                  std::uint64_t(volume.shape.z)};
   put(doc, "/volumes@shape", shape, 3);
   put3(doc, "/volumes/leaf_origin", volume.leaf_origin);
   put(doc, "/volumes/label", volume.label, kLeafVoxels);
   put(doc, "/volumes/distance", volume.distance, kLeafVoxels);
 }
 
-void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done, const std::vector<Pieces> &pieces, std::size_t base_faces) {
+void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done,
+                   const std::vector<Pieces> &pieces, std::size_t base_faces) {
   std::size_t faces = 0;
   double total = 0, cut = 0;
-  for (const Surface &surface : done.surfaces) faces += surface.face.size(), total += volume_of(surface);
-  for (const Pieces &p : pieces) cut += p.detached_volume;
-  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
-                 "mesh: %zu surfaces, %zu faces (base mesh %zu), %llu pairs checked, 0 crossings, %llu places repaired in %d rounds, "
-                 "cells fill %.4f of the box",
-                 done.surfaces.size(), faces, base_faces, static_cast<unsigned long long>(done.check.pairs_checked),
-                 static_cast<unsigned long long>(done.repaired_pairs), done.rounds, total / volume(tissue.box));
+  for (const Surface &surface : done.surfaces)
+    faces += surface.face.size(), total += volume_of(surface);
+  for (const Pieces &p : pieces)
+    cut += p.detached_volume;
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_INFO,
+      "mesh: %zu surfaces, %zu faces (base mesh %zu), %llu pairs checked, 0 crossings, %llu places repaired "
+      "in %d rounds, "
+      "cells fill %.4f of the box",
+      done.surfaces.size(), faces, base_faces, static_cast<unsigned long long>(done.check.pairs_checked),
+      static_cast<unsigned long long>(done.repaired_pairs), done.rounds, total / volume(tissue.box));
   if (cut > 0.01 * total)
-    conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "mesh: pieces cut off from their somas hold %.2f %% of the cell volume and are left out", 100 * cut / total);
+    conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
+                   "mesh: pieces cut off from their somas hold %.2f %% of the cell volume and are left out",
+                   100 * cut / total);
 }
 
 void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
@@ -224,13 +256,17 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   const Index index = make_index(scene, workers, progress);
   workers.count(ctx, "mesh.index");
   std::vector<glm::dvec3> origin;
-  for (const glm::dvec3 &soma : tissue.soma) origin.push_back(snap(soma));
+  for (const glm::dvec3 &soma : tissue.soma)
+    origin.push_back(snap(soma));
   std::vector<Surface> base = extract_surfaces(scene, index, origin, workers, progress);
   workers.count(ctx, "mesh.blocks");
   const std::vector<Pieces> pieces = keep_pieces(ctx, tissue, base, workers);
-  base.erase(std::remove_if(base.begin(), base.end(), [](const Surface &surface) { return surface.face.empty(); }), base.end());
+  base.erase(
+      std::remove_if(base.begin(), base.end(), [](const Surface &surface) { return surface.face.empty(); }),
+      base.end());
   std::size_t base_faces = 0;
-  for (const Surface &surface : base) base_faces += surface.face.size();
+  for (const Surface &surface : base)
+    base_faces += surface.face.size();
 
   FinishOptions finish_options;
   finish_options.tolerance = conceg_params_f64(params, "tolerance_um");
@@ -242,7 +278,8 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   if (done.check.errors)
     for (const Defect &defect : done.check.defects)
       if (defect.flaw != Flaw::near)
-        fail(CONCEG_E_STAGE, "%s; %llu such places in all, nothing was written: try a smaller h_um or tolerance_um=0",
+        fail(CONCEG_E_STAGE,
+             "%s; %llu such places in all, nothing was written: try a smaller h_um or tolerance_um=0",
              describe(defect, done.surfaces).c_str(), static_cast<unsigned long long>(done.check.errors));
 
   must(conceg_doc_drop(doc, "/meshes"));
@@ -266,11 +303,14 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
 
 conceg_status check(conceg_ctx *ctx, conceg_doc *, const conceg_params *params) {
   return guard(ctx, "mesh", [&] {
-    const double tolerance = conceg_params_f64(params, "tolerance_um"), gap = conceg_params_f64(params, "gap_um");
+    const double tolerance = conceg_params_f64(params, "tolerance_um"),
+                 gap = conceg_params_f64(params, "gap_um");
     if (tolerance > 0.5 * gap)
-      fail(CONCEG_E_RANGE, "tolerance_um: expected at most half of gap_um (%g), got %g; cells would cross", 0.5 * gap, tolerance);
+      fail(CONCEG_E_RANGE, "tolerance_um: expected at most half of gap_um (%g), got %g; cells would cross",
+           0.5 * gap, tolerance);
     if (*conceg_params_text(params, "vdb") && !vdb_available())
-      fail(CONCEG_E_UNSUPPORTED, "vdb: this build has no OpenVDB; install libopenvdb-dev and build again, or leave --vdb out");
+      fail(CONCEG_E_UNSUPPORTED,
+           "vdb: this build has no OpenVDB; install libopenvdb-dev and build again, or leave --vdb out");
   });
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A triangle surface of one cell: coordinates relative to an origin on the lattice, held as the values that are written.
+// A triangle surface of one cell: coordinates relative to an origin on the lattice, held as the values that
+// are written.
 #pragma once
 
 #include "conceg/geom.h"
@@ -14,18 +15,20 @@ namespace conceg::mesh {
 
 struct Surface {
   std::uint32_t cell = 0;
-  glm::dvec3 origin{};             // um, on the lattice
-  std::vector<glm::vec3> vertex;   // um, relative to origin
-  std::vector<glm::uvec3> face;    // outward
+  glm::dvec3 origin{};           // um, on the lattice
+  std::vector<glm::vec3> vertex; // um, relative to origin
+  std::vector<glm::uvec3> face;  // outward
   glm::dvec3 at(std::uint32_t i) const { return origin + glm::dvec3(vertex[i]); }
 };
 
-// A relative coordinate as it is written: a float32 that is a multiple of 2^-24 um, so that origin + value and
-// value +- side are exact in double precision.
+// A relative coordinate as it is written: a float32 that is a multiple of 2^-24 um, so that origin + value
+// and value +- side are exact in double precision.
 inline float written(double relative) {
   return static_cast<float>(std::floor(relative * 0x1p24 + 0.5) * 0x1p-24);
 }
-inline glm::vec3 written(const glm::dvec3 &p) { return {written(p.x), written(p.y), written(p.z)}; }
+inline glm::vec3 written(const glm::dvec3 &p) {
+  return {written(p.x), written(p.y), written(p.z)};
+}
 
 inline glm::dvec3 cross_product(const glm::dvec3 &a, const glm::dvec3 &b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};

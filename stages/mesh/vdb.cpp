@@ -20,8 +20,8 @@ openvdb::math::Transform::Ptr transform_of(const Volume &volume) {
 
 // Copies leaves whose voxels are stored in the same order as OpenVDB's.
 template <class Grid, class Value>
-typename Grid::Ptr grid_of(const Volume &volume, const std::vector<Value> &values, typename Grid::ValueType background,
-                           const char *name) {
+typename Grid::Ptr grid_of(const Volume &volume, const std::vector<Value> &values,
+                           typename Grid::ValueType background, const char *name) {
   using Leaf = typename Grid::TreeType::LeafNodeType;
   static_assert(Leaf::SIZE == kLeafVoxels, "leaves of 8 x 8 x 8 voxels");
   auto grid = Grid::create(background);
@@ -31,9 +31,12 @@ typename Grid::Ptr grid_of(const Volume &volume, const std::vector<Value> &value
     const glm::ivec3 &at = volume.leaf_origin[i];
     Leaf *leaf = grid->tree().touchLeaf(openvdb::Coord(at.x, at.y, at.z));
     for (int voxel = 0; voxel < kLeafVoxels; voxel++) {
-      const auto value = static_cast<typename Grid::ValueType>(values[i * kLeafVoxels + static_cast<std::size_t>(voxel)]);
-      if (value == background) leaf->setValueOff(static_cast<openvdb::Index>(voxel), value);
-      else leaf->setValueOn(static_cast<openvdb::Index>(voxel), value);
+      const auto value =
+          static_cast<typename Grid::ValueType>(values[i * kLeafVoxels + static_cast<std::size_t>(voxel)]);
+      if (value == background)
+        leaf->setValueOff(static_cast<openvdb::Index>(voxel), value);
+      else
+        leaf->setValueOn(static_cast<openvdb::Index>(voxel), value);
     }
   }
   return grid;
@@ -41,12 +44,15 @@ typename Grid::Ptr grid_of(const Volume &volume, const std::vector<Value> &value
 
 } // namespace
 
-bool vdb_available() { return true; }
+bool vdb_available() {
+  return true;
+}
 
 void write_vdb(const Volume &volume, const char *path) {
   openvdb::initialize();
   const auto label = grid_of<openvdb::Int32Grid>(volume, volume.label, 0, "label");
-  const auto distance = grid_of<openvdb::FloatGrid>(volume, volume.distance, static_cast<float>(volume.band), "distance");
+  const auto distance =
+      grid_of<openvdb::FloatGrid>(volume, volume.distance, static_cast<float>(volume.band), "distance");
   distance->setGridClass(openvdb::GRID_LEVEL_SET);
   const std::string temporary = std::string(path) + ".part" + std::to_string(getpid());
   try {
@@ -55,7 +61,8 @@ void write_vdb(const Volume &volume, const char *path) {
     file.close();
   } catch (const openvdb::Exception &error) {
     std::remove(temporary.c_str());
-    fail(CONCEG_E_IO, "%s: expected to write an OpenVDB file, got: %s; check the folder and the free space", path, error.what());
+    fail(CONCEG_E_IO, "%s: expected to write an OpenVDB file, got: %s; check the folder and the free space",
+         path, error.what());
   }
   if (std::rename(temporary.c_str(), path) != 0) {
     std::remove(temporary.c_str());

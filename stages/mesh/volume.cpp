@@ -14,7 +14,8 @@ struct Leaf {
 };
 
 // Fills one leaf from a block; false when every voxel is outside the cells and beyond the band.
-bool fill_leaf(const BlockField &field, const glm::ivec3 &corner, const glm::ivec3 &shape, float band, float unit, Leaf &leaf) {
+bool fill_leaf(const BlockField &field, const glm::ivec3 &corner, const glm::ivec3 &shape, float band,
+               float unit, Leaf &leaf) {
   bool holds = false;
   leaf.origin = field.first + corner;
   std::fill(leaf.label, leaf.label + kLeafVoxels, 0u);

@@ -25,7 +25,8 @@ Volume make_volume(const Tissue &tissue, SceneOptions options, Workers &workers,
 
 // Is OpenVDB in this build?
 bool vdb_available();
-// Writes the grids "label" (Int32) and "distance" (float, level set); whole or not at all. Throws E_IO or E_UNSUPPORTED.
+// Writes the grids "label" (Int32) and "distance" (float, level set); whole or not at all. Throws E_IO or
+// E_UNSUPPORTED.
 void write_vdb(const Volume &volume, const char *path);
 
 } // namespace conceg::mesh

@@ -48,9 +48,10 @@ struct Demand {
   std::uint64_t count; // after rounding
 };
 
-// Density x volume for every (layer, type), rounded to whole cells by the largest remainder, so that the counts add up to
-// the rounded total. `density` is that of the whole box; kNotGiven where the layers or the profile give it.
-std::vector<Demand> compose(const Box &box, const std::vector<Layer> &layers, const std::vector<TypeShare> &types,
-                            double density, const Profile &profile);
+// Density x volume for every (layer, type), rounded to whole cells by the largest remainder, so that the
+// counts add up to the rounded total. `density` is that of the whole box; kNotGiven where the layers or the
+// profile give it.
+std::vector<Demand> compose(const Box &box, const std::vector<Layer> &layers,
+                            const std::vector<TypeShare> &types, double density, const Profile &profile);
 
 } // namespace conceg::place

@@ -10,9 +10,12 @@ namespace conceg::place {
 namespace {
 
 // Appends rows first .. last - 1 of an array that may have been left out.
-template <class T> void append(std::vector<T> &to, const std::vector<T> &from, std::size_t first, std::size_t last, std::size_t width = 1) {
+template <class T>
+void append(std::vector<T> &to, const std::vector<T> &from, std::size_t first, std::size_t last,
+            std::size_t width = 1) {
   if (from.empty()) return;
-  to.insert(to.end(), from.begin() + static_cast<std::ptrdiff_t>(first * width), from.begin() + static_cast<std::ptrdiff_t>(last * width));
+  to.insert(to.end(), from.begin() + static_cast<std::ptrdiff_t>(first * width),
+            from.begin() + static_cast<std::ptrdiff_t>(last * width));
 }
 
 void append_bars(Dictionary &to, const DictionaryBars &from, std::size_t first, std::size_t last) {
@@ -61,7 +64,8 @@ Dictionary subset(const Dictionary &whole, const std::vector<std::size_t> &entri
     append(out.entry.straightness_sd, whole.entry.straightness_sd, entry, entry + 1);
     append(out.angle, whole.angle, whole.entry.angle_offset[entry], whole.entry.angle_offset[entry + 1]);
     out.entry.angle_offset.push_back(out.angle.size());
-    for (std::size_t donor = whole.entry.donor_offset[entry]; donor < whole.entry.donor_offset[entry + 1]; donor++)
+    for (std::size_t donor = whole.entry.donor_offset[entry]; donor < whole.entry.donor_offset[entry + 1];
+         donor++)
       append_donor(out, whole, donor);
     out.entry.donor_offset.push_back(out.donor.id.size());
   }
@@ -69,24 +73,28 @@ Dictionary subset(const Dictionary &whole, const std::vector<std::size_t> &entri
 }
 
 std::vector<std::size_t> parents_first(const Dictionary &dictionary, std::size_t tree) {
-  const std::size_t first = dictionary.tree.bar_offset[tree], count = dictionary.tree.bar_offset[tree + 1] - first;
+  const std::size_t first = dictionary.tree.bar_offset[tree],
+                    count = dictionary.tree.bar_offset[tree + 1] - first;
   std::vector<std::size_t> depth(count);
   for (std::size_t i = 0; i < count; i++) {
     if (!(dictionary.bar.death[first + i] > dictionary.bar.birth[first + i]))
-      fail(CONCEG_E_FORMAT, "/dictionary/bar_death[%zu]: expected more than bar_birth = %g um, got %g um", first + i,
-           dictionary.bar.birth[first + i], dictionary.bar.death[first + i]);
+      fail(CONCEG_E_FORMAT, "/dictionary/bar_death[%zu]: expected more than bar_birth = %g um, got %g um",
+           first + i, dictionary.bar.birth[first + i], dictionary.bar.death[first + i]);
     for (std::size_t at = i; dictionary.bar.parent[first + at] != -1; depth[i]++) {
       const std::int64_t parent = dictionary.bar.parent[first + at];
       if (parent < -1 || parent >= static_cast<std::int64_t>(count))
-        fail(CONCEG_E_FORMAT, "/dictionary/bar_parent[%zu]: expected a row of its tree below %zu, or -1, got %lld", first + at, count,
-             static_cast<long long>(parent));
-      if (depth[i] == count) fail(CONCEG_E_FORMAT, "/dictionary/bar_parent[%zu]: expected a tree, got a cycle", first + i);
+        fail(CONCEG_E_FORMAT,
+             "/dictionary/bar_parent[%zu]: expected a row of its tree below %zu, or -1, got %lld", first + at,
+             count, static_cast<long long>(parent));
+      if (depth[i] == count)
+        fail(CONCEG_E_FORMAT, "/dictionary/bar_parent[%zu]: expected a tree, got a cycle", first + i);
       at = static_cast<std::size_t>(parent);
     }
   }
   std::vector<std::size_t> rows(count);
   std::iota(rows.begin(), rows.end(), std::size_t{0});
-  std::stable_sort(rows.begin(), rows.end(), [&](std::size_t a, std::size_t b) { return depth[a] < depth[b]; });
+  std::stable_sort(rows.begin(), rows.end(),
+                   [&](std::size_t a, std::size_t b) { return depth[a] < depth[b]; });
   return rows;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The morphological dictionary as plain arrays: entry > donor > tree > bar (spec/schema.yaml says what each one holds).
+// The morphological dictionary as plain arrays: entry > donor > tree > bar (spec/schema.yaml says what each
+// one holds).
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -49,7 +50,8 @@ struct Dictionary {
 // Only these entries, in this order.
 Dictionary subset(const Dictionary &whole, const std::vector<std::size_t> &entries);
 
-// The rows of a tree's bars, parents before children; throws where a parent is out of range or a cycle, or a bar has no length.
+// The rows of a tree's bars, parents before children; throws where a parent is out of range or a cycle, or a
+// bar has no length.
 std::vector<std::size_t> parents_first(const Dictionary &dictionary, std::size_t tree);
 
 } // namespace conceg::place

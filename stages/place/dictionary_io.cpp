@@ -21,7 +21,8 @@ template <class T> std::vector<T> read_if(conceg_doc *doc, const char *path, std
 std::vector<std::string> texts_if(conceg_doc *doc, const char *path) {
   return has(doc, path) ? texts(doc, path) : std::vector<std::string>();
 }
-template <class T> void put_if(conceg_doc *doc, const char *path, const std::vector<T> &values, std::size_t columns = 1) {
+template <class T>
+void put_if(conceg_doc *doc, const char *path, const std::vector<T> &values, std::size_t columns = 1) {
   if (!values.empty()) put(doc, path, values, columns);
 }
 void put_texts_if(conceg_doc *doc, const char *path, const std::vector<std::string> &values) {
@@ -75,7 +76,8 @@ Dictionary load_dictionary(conceg_ctx *ctx, const std::string &name) {
   };
   const std::unique_ptr<conceg_doc, Close> doc(raw);
   if (!has(raw, "/dictionary"))
-    fail(CONCEG_E_MISSING, "dictionary: %s has no /dictionary; make one with conceg characterise", name.c_str());
+    fail(CONCEG_E_MISSING, "dictionary: %s has no /dictionary; make one with conceg characterise",
+         name.c_str());
   must(conceg_doc_validate(raw, "/dictionary", nullptr, nullptr));
   return read_dictionary(raw);
 }

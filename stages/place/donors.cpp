@@ -32,28 +32,34 @@ glm::dquat uniform_rotation(conceg_rng &rng) {
 
 } // namespace
 
-std::size_t draw_donor(const Dictionary &dictionary, std::size_t entry, std::uint64_t cell_id, std::uint64_t seed) {
+std::size_t draw_donor(const Dictionary &dictionary, std::size_t entry, std::uint64_t cell_id,
+                       std::uint64_t seed) {
   conceg_rng rng = conceg_rng_stream(seed, "place.donor", cell_id);
-  const std::uint64_t first = dictionary.entry.donor_offset[entry], count = dictionary.entry.donor_offset[entry + 1] - first;
+  const std::uint64_t first = dictionary.entry.donor_offset[entry],
+                      count = dictionary.entry.donor_offset[entry + 1] - first;
   return first + conceg_rng_below(&rng, count);
 }
 
-glm::dquat draw_rotation(const Dictionary &dictionary, std::size_t donor, std::uint64_t cell_id, const DonorOptions &options) {
+glm::dquat draw_rotation(const Dictionary &dictionary, std::size_t donor, std::uint64_t cell_id,
+                         const DonorOptions &options) {
   conceg_rng rng = conceg_rng_stream(options.seed, "place.rotation", cell_id);
-  if (!dictionary.donor.frame_kind.empty() && dictionary.donor.frame_kind[donor] == "unknown") return uniform_rotation(rng);
+  if (!dictionary.donor.frame_kind.empty() && dictionary.donor.frame_kind[donor] == "unknown")
+    return uniform_rotation(rng);
   double sine, cosine;
   conceg_sincos(kPi * conceg_rng_uniform(&rng), &sine, &cosine); // half of the azimuth
   return upright(options.pia) * glm::dquat(cosine, 0.0, 0.0, sine);
 }
 
-void append_cell(const Dictionary &dictionary, const CellDraw &cell, const DonorOptions &options, Bars &bars) {
+void append_cell(const Dictionary &dictionary, const CellDraw &cell, const DonorOptions &options,
+                 Bars &bars) {
   const DictionaryBars &from = dictionary.bar;
   const std::uint64_t first_row = bars.tree.size();
   conceg_rng rng = conceg_rng_stream(options.seed, "place.angle", cell.id);
   const std::uint64_t first_angle = dictionary.entry.angle_offset[cell.entry];
   const std::uint64_t angles = dictionary.entry.angle_offset[cell.entry + 1] - first_angle;
   std::uint32_t tree_number = 0;
-  for (std::size_t tree = dictionary.donor.tree_offset[cell.donor]; tree < dictionary.donor.tree_offset[cell.donor + 1]; tree++) {
+  for (std::size_t tree = dictionary.donor.tree_offset[cell.donor];
+       tree < dictionary.donor.tree_offset[cell.donor + 1]; tree++) {
     if (dictionary.tree.neurite[tree] == CONCEG_SWC_AXON && !options.axons) continue;
     const std::vector<std::size_t> rows = parents_first(dictionary, tree);
     const std::uint64_t first_of_tree = bars.tree.size() - first_row;
@@ -69,7 +75,8 @@ void append_cell(const Dictionary &dictionary, const CellDraw &cell, const Donor
       bars.end.push_back(from.death[bar]);
       bars.attractor.push_back(cell.soma + cell.rotation * from.tip_direction[bar] * from.tip_distance[bar]);
       const bool drawn = !root && options.drawn_angles && angles > 0;
-      bars.angle.push_back(drawn ? dictionary.angle[first_angle + conceg_rng_below(&rng, angles)] : from.angle[bar]);
+      bars.angle.push_back(drawn ? dictionary.angle[first_angle + conceg_rng_below(&rng, angles)]
+                                 : from.angle[bar]);
       bars.radius.push_back(from.radius[bar] * cell.radius_scale);
       bars.taper.push_back(from.taper[bar] * cell.radius_scale);
       bars.radius_floor.push_back(options.min_radius_um);

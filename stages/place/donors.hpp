@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Drawing a donor for each cell, turning it, and writing out the bars that the cell is asked to grow. Lengths in um.
+// Drawing a donor for each cell, turning it, and writing out the bars that the cell is asked to grow. Lengths
+// in um.
 #pragma once
 
 #include "dictionary.hpp"
@@ -21,11 +22,13 @@ struct DonorOptions {
 };
 
 // Row of one of the entry's donors, each as likely as the others; the entry has at least one.
-std::size_t draw_donor(const Dictionary &dictionary, std::size_t entry, std::uint64_t cell_id, std::uint64_t seed);
+std::size_t draw_donor(const Dictionary &dictionary, std::size_t entry, std::uint64_t cell_id,
+                       std::uint64_t seed);
 
-// The turn from the donor's frame (+z towards the pia) into the box: a random azimuth about the pia, or a uniform random
-// rotation where the donor's frame is unknown.
-glm::dquat draw_rotation(const Dictionary &dictionary, std::size_t donor, std::uint64_t cell_id, const DonorOptions &options);
+// The turn from the donor's frame (+z towards the pia) into the box: a random azimuth about the pia, or a
+// uniform random rotation where the donor's frame is unknown.
+glm::dquat draw_rotation(const Dictionary &dictionary, std::size_t donor, std::uint64_t cell_id,
+                         const DonorOptions &options);
 
 // Bars of all cells, one after another; spec/schema.yaml, /bars.
 struct Bars {

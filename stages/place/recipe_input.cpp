@@ -29,12 +29,16 @@ public:
     const conceg_node *layers = conceg_node_get(root_, "layers");
     for (std::uint32_t i = 0; i < conceg_node_count(layers); i++) {
       const conceg_node *layer = conceg_node_at(layers, i), *z = conceg_node_get(layer, "z_um");
-      in.layers.push_back({text(conceg_node_get(layer, "name"), ""), conceg_snap(number(conceg_node_at(z, 0), 0.0)),
-                           conceg_snap(number(conceg_node_at(z, 1), 0.0)), number(conceg_node_get(layer, "density_per_um3"), kNotGiven)});
+      in.layers.push_back({text(conceg_node_get(layer, "name"), ""),
+                           conceg_snap(number(conceg_node_at(z, 0), 0.0)),
+                           conceg_snap(number(conceg_node_at(z, 1), 0.0)),
+                           number(conceg_node_get(layer, "density_per_um3"), kNotGiven)});
     }
     const conceg_node *types = conceg_node_get(root_, "types");
-    if (conceg_node_count(types) == 0) fail(CONCEG_E_MISSING, "recipe: key types is missing; list at least one cell type");
-    for (std::uint32_t i = 0; i < conceg_node_count(types); i++) in.types.push_back(type(conceg_node_at(types, i), in.layers, i));
+    if (conceg_node_count(types) == 0)
+      fail(CONCEG_E_MISSING, "recipe: key types is missing; list at least one cell type");
+    for (std::uint32_t i = 0; i < conceg_node_count(types); i++)
+      in.types.push_back(type(conceg_node_at(types, i), in.layers, i));
     return in;
   }
 
@@ -58,18 +62,25 @@ private:
     glm::dvec3 direction(0, 0, 1);
     for (std::uint32_t axis = 0; axis < 3; axis++) {
       const double from = number(conceg_node_at(lo, axis), 0.0);
-      const double to = size ? from + number(conceg_node_at(size, axis), 0.0) : number(conceg_node_at(hi, axis), 0.0);
+      const double to =
+          size ? from + number(conceg_node_at(size, axis), 0.0) : number(conceg_node_at(hi, axis), 0.0);
       in.box.lo[axis] = conceg_snap(from), in.box.hi[axis] = conceg_snap(to);
-      if (!(in.box.hi[axis] > in.box.lo[axis]) || !(std::fabs(from) < kLongest) || !(std::fabs(to) < kLongest))
-        fail(CONCEG_E_RANGE, "domain (line %u): expected sides of more than 2^-16 um within %g um, got %g to %g um on axis %u",
-             conceg_node_line(domain), kLongest, from, to, axis);
+      if (!(in.box.hi[axis] > in.box.lo[axis]) || !(std::fabs(from) < kLongest) ||
+          !(std::fabs(to) < kLongest))
+        fail(
+            CONCEG_E_RANGE,
+            "domain (line %u): expected sides of more than 2^-16 um within %g um, got %g to %g um on axis %u",
+            conceg_node_line(domain), kLongest, from, to, axis);
       int on = 1;
       if (periodic) must(conceg_node_bool(ctx_, conceg_node_at(periodic, axis), &on));
       in.box.periodic[axis] = on != 0;
       if (pia) direction[static_cast<int>(axis)] = number(conceg_node_at(pia, axis), 0.0);
     }
-    const double length = std::sqrt(direction.x * direction.x + direction.y * direction.y + direction.z * direction.z);
-    if (!(length > 0.0)) fail(CONCEG_E_RANGE, "domain.pia (line %u): expected a direction, got [0, 0, 0]", conceg_node_line(pia));
+    const double length =
+        std::sqrt(direction.x * direction.x + direction.y * direction.y + direction.z * direction.z);
+    if (!(length > 0.0))
+      fail(CONCEG_E_RANGE, "domain.pia (line %u): expected a direction, got [0, 0, 0]",
+           conceg_node_line(pia));
     in.pia = direction / length;
   }
 
@@ -85,7 +96,8 @@ private:
     for (std::size_t i = 0; i < layers.size(); i++)
       if (layers[i].name == out.layer) out.share.layer = static_cast<int>(i);
     if (out.share.layer < 0 && !out.layer.empty())
-      fail(CONCEG_E_RANGE, "types[%u].layer (line %u): no layer is named %s", index, conceg_node_line(node), out.layer.c_str());
+      fail(CONCEG_E_RANGE, "types[%u].layer (line %u): no layer is named %s", index, conceg_node_line(node),
+           out.layer.c_str());
     return out;
   }
 

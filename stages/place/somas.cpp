@@ -11,8 +11,8 @@
 namespace conceg::place {
 namespace {
 
-constexpr int kTrials = 20000;            // per soma, before the box counts as full
-constexpr int kTrialsWhenFull = 200;      // per soma after that, to learn how many fit
+constexpr int kTrials = 20000;             // per soma, before the box counts as full
+constexpr int kTrialsWhenFull = 200;       // per soma after that, to learn how many fit
 constexpr std::size_t kMissesInRow = 1000; // then no more are tried
 constexpr double kGridCells = 4.0 * 1024 * 1024;
 constexpr double kSphereVolume = 4.18879020478639098462; // 4 pi / 3
@@ -21,7 +21,8 @@ constexpr double kSphereVolume = 4.18879020478639098462; // 4 pi / 3
 class Placed {
 public:
   Placed(const conceg_box &box, double largest_radius, double gap) : box_(box), gap_(gap) {
-    const double width = std::max(2.0 * largest_radius + gap, conceg_pow(volume(box) / kGridCells, 1.0 / 3.0));
+    const double width =
+        std::max(2.0 * largest_radius + gap, conceg_pow(volume(box) / kGridCells, 1.0 / 3.0));
     for (int axis = 0; axis < 3; axis++) {
       const double cells = std::min(conceg_box_side(&box, axis) / width, kGridCells);
       count_[axis] = std::max(1, static_cast<int>(cells));
@@ -39,7 +40,8 @@ public:
     const glm::ivec3 cell = cell_of(center);
     std::array<std::array<int, 3>, 3> around;
     std::array<int, 3> many;
-    for (int axis = 0; axis < 3; axis++) many[axis] = around_on(axis, cell[axis], around[axis]);
+    for (int axis = 0; axis < 3; axis++)
+      many[axis] = around_on(axis, cell[axis], around[axis]);
     for (int x = 0; x < many[0]; x++)
       for (int y = 0; y < many[1]; y++)
         for (int z = 0; z < many[2]; z++)
@@ -69,7 +71,9 @@ private:
     for (int step = -1; step <= 1; step++) {
       int at = cell + step;
       if (box_.periodic[axis]) at = (at + count_[axis]) % count_[axis];
-      if (at >= 0 && at < count_[axis] && std::find(out.begin(), out.begin() + many, at) == out.begin() + many) out[many++] = at;
+      if (at >= 0 && at < count_[axis] &&
+          std::find(out.begin(), out.begin() + many, at) == out.begin() + many)
+        out[many++] = at;
     }
     return many;
   }
@@ -91,7 +95,8 @@ double height_by_profile(const Profile &profile, double lo, double hi, double un
     const double a = profile.at(from), piece = 0.5 * (a + profile.at(to)) * (to - from);
     if (rest <= piece || to >= hi) {
       const double slope = (profile.at(to) - a) / (to - from);
-      const double root = a + std::sqrt(std::max(0.0, a * a + 2.0 * slope * rest)); // of a t + slope t^2 / 2 = rest
+      const double root =
+          a + std::sqrt(std::max(0.0, a * a + 2.0 * slope * rest)); // of a t + slope t^2 / 2 = rest
       return std::min(to, from + (root > 0.0 ? 2.0 * rest / root : 0.0));
     }
     rest -= piece;
@@ -110,7 +115,8 @@ glm::dvec3 trial(const conceg_box &box, const SomaRequest &soma, conceg_rng &rng
       if (center[axis] >= hi) center[axis] = hi - CONCEG_LATTICE_STEP_UM;
     } else {
       const auto steps = static_cast<std::uint64_t>((hi - lo) / CONCEG_LATTICE_STEP_UM);
-      center[axis] = lo + static_cast<double>(conceg_rng_below(&rng, std::max<std::uint64_t>(1, steps))) * CONCEG_LATTICE_STEP_UM;
+      center[axis] = lo + static_cast<double>(conceg_rng_below(&rng, std::max<std::uint64_t>(1, steps))) *
+                              CONCEG_LATTICE_STEP_UM;
     }
   }
   return center;
@@ -118,37 +124,46 @@ glm::dvec3 trial(const conceg_box &box, const SomaRequest &soma, conceg_rng &rng
 
 bool inside_open_sides(const conceg_box &box, const glm::dvec3 &center, double radius) {
   for (int axis = 0; axis < 3; axis++)
-    if (!box.periodic[axis] && (center[axis] - radius < box.lo[axis] || center[axis] + radius > box.hi[axis])) return false;
+    if (!box.periodic[axis] && (center[axis] - radius < box.lo[axis] || center[axis] + radius > box.hi[axis]))
+      return false;
   return true;
 }
 
 // Each soma alone must find room in the box and in its layer.
 void check_alone(const conceg_box &box, const SomaRequest &soma, double gap) {
   for (int axis = 0; axis < 3; axis++) {
-    const double side = conceg_box_side(&box, axis), needed = 2.0 * soma.radius + (box.periodic[axis] ? gap : 0.0);
+    const double side = conceg_box_side(&box, axis),
+                 needed = 2.0 * soma.radius + (box.periodic[axis] ? gap : 0.0);
     if (needed > side)
       fail(CONCEG_E_RANGE,
-           "domain: expected a side of at least %.4g um on axis %d, for a soma of radius %.4g um%s, got %.4g um; enlarge domain.size_um",
+           "domain: expected a side of at least %.4g um on axis %d, for a soma of radius %.4g um%s, got %.4g "
+           "um; enlarge domain.size_um",
            needed, axis, soma.radius, box.periodic[axis] ? " and the gap to its own image" : "", side);
   }
-  if (!box.periodic[2] && !(std::max(soma.z_lo, box.lo[2] + soma.radius) <= std::min(soma.z_hi, box.hi[2] - soma.radius)))
-    fail(CONCEG_E_RANGE, "layers: expected room for a soma of radius %.4g um inside the open side, got the layer from %g to %g um; make it thicker",
+  if (!box.periodic[2] &&
+      !(std::max(soma.z_lo, box.lo[2] + soma.radius) <= std::min(soma.z_hi, box.hi[2] - soma.radius)))
+    fail(CONCEG_E_RANGE,
+         "layers: expected room for a soma of radius %.4g um inside the open side, got the layer from %g to "
+         "%g um; make it thicker",
          soma.radius, soma.z_lo, soma.z_hi);
 }
 
-[[noreturn]] void fail_full(const conceg_box &box, const std::vector<SomaRequest> &requests, double gap, std::size_t possible) {
+[[noreturn]] void fail_full(const conceg_box &box, const std::vector<SomaRequest> &requests, double gap,
+                            std::size_t possible) {
   double filled = 0.0;
-  for (const SomaRequest &soma : requests) filled += kSphereVolume * soma.radius * soma.radius * soma.radius;
+  for (const SomaRequest &soma : requests)
+    filled += kSphereVolume * soma.radius * soma.radius * soma.radius;
   fail(CONCEG_E_RANGE,
-       "density: asked for %zu somas, which would take %.1f %% of the box; %zu fit at random with a gap of %g um; lower the "
+       "density: asked for %zu somas, which would take %.1f %% of the box; %zu fit at random with a gap of "
+       "%g um; lower the "
        "density, use smaller somas or lower place.soma_gap_um",
        requests.size(), 100.0 * filled / volume(box), possible, gap);
 }
 
 } // namespace
 
-std::vector<glm::dvec3> place_somas(const conceg_box &box, const std::vector<SomaRequest> &requests, double gap_um,
-                                    std::uint64_t seed, const Progress &progress) {
+std::vector<glm::dvec3> place_somas(const conceg_box &box, const std::vector<SomaRequest> &requests,
+                                    double gap_um, std::uint64_t seed, const Progress &progress) {
   double largest = 0.0;
   for (const SomaRequest &soma : requests) {
     check_alone(box, soma, gap_um);
@@ -157,7 +172,8 @@ std::vector<glm::dvec3> place_somas(const conceg_box &box, const std::vector<Som
   std::vector<std::size_t> order(requests.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return requests[a].radius != requests[b].radius ? requests[a].radius > requests[b].radius : requests[a].id < requests[b].id;
+    return requests[a].radius != requests[b].radius ? requests[a].radius > requests[b].radius
+                                                    : requests[a].id < requests[b].id;
   });
   Placed placed(box, largest, gap_um);
   std::vector<glm::dvec3> centers(requests.size());
@@ -169,7 +185,8 @@ std::vector<glm::dvec3> place_somas(const conceg_box &box, const std::vector<Som
     bool found = false;
     for (int t = 0; t < trials && !found; t++) {
       centers[order[i]] = trial(box, soma, rng);
-      found = inside_open_sides(box, centers[order[i]], soma.radius) && placed.is_free(centers[order[i]], soma.radius);
+      found = inside_open_sides(box, centers[order[i]], soma.radius) &&
+              placed.is_free(centers[order[i]], soma.radius);
     }
     if (found) placed.add(centers[order[i]], soma.radius);
     found_count += found;

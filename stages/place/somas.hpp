@@ -21,10 +21,10 @@ struct SomaRequest {
   const Profile *profile; // NULL = even along z
 };
 
-// Random sequential placement on the lattice of geom.h, largest somas first so that they find room. Surfaces of two
-// somas, and of a soma and its own periodic images, are at least `gap_um` apart; at an open side the whole soma is inside.
-// Throws with the counts asked and possible when they do not fit.
-std::vector<glm::dvec3> place_somas(const conceg_box &box, const std::vector<SomaRequest> &requests, double gap_um,
-                                    std::uint64_t seed, const Progress &progress);
+// Random sequential placement on the lattice of geom.h, largest somas first so that they find room. Surfaces
+// of two somas, and of a soma and its own periodic images, are at least `gap_um` apart; at an open side the
+// whole soma is inside. Throws with the counts asked and possible when they do not fit.
+std::vector<glm::dvec3> place_somas(const conceg_box &box, const std::vector<SomaRequest> &requests,
+                                    double gap_um, std::uint64_t seed, const Progress &progress);
 
 } // namespace conceg::place

@@ -27,20 +27,23 @@ struct Cells {
 };
 
 // Looks up the entries of the types and keeps only those of the dictionary.
-Dictionary dictionary_for(conceg_ctx *ctx, const RecipeInput &recipe, std::vector<std::size_t> &entry_of_type) {
+Dictionary dictionary_for(conceg_ctx *ctx, const RecipeInput &recipe,
+                          std::vector<std::size_t> &entry_of_type) {
   const Dictionary whole = load_dictionary(ctx, recipe.dictionary);
   std::vector<std::size_t> kept;
   for (std::size_t t = 0; t < recipe.types.size(); t++) {
     const std::int64_t found = whole.find(recipe.types[t].entry);
     if (found < 0) {
       std::string names;
-      for (const std::string &name : whole.entry.name) names += (names.empty() ? "" : " ") + name;
-      fail(CONCEG_E_MISSING, "types[%zu].entry: dictionary %s has no entry \"%s\"; it has: %s", t, recipe.dictionary.c_str(),
-           recipe.types[t].entry.c_str(), names.c_str());
+      for (const std::string &name : whole.entry.name)
+        names += (names.empty() ? "" : " ") + name;
+      fail(CONCEG_E_MISSING, "types[%zu].entry: dictionary %s has no entry \"%s\"; it has: %s", t,
+           recipe.dictionary.c_str(), recipe.types[t].entry.c_str(), names.c_str());
     }
     const auto entry = static_cast<std::size_t>(found);
     if (whole.entry.donor_offset[entry] == whole.entry.donor_offset[entry + 1])
-      fail(CONCEG_E_RANGE, "types[%zu].entry: expected donors in dictionary entry %s, got none", t, recipe.types[t].entry.c_str());
+      fail(CONCEG_E_RANGE, "types[%zu].entry: expected donors in dictionary entry %s, got none", t,
+           recipe.types[t].entry.c_str());
     const auto known = std::find(kept.begin(), kept.end(), entry);
     entry_of_type.push_back(static_cast<std::size_t>(known - kept.begin()));
     if (known == kept.end()) kept.push_back(entry);
@@ -48,17 +51,20 @@ Dictionary dictionary_for(conceg_ctx *ctx, const RecipeInput &recipe, std::vecto
   return subset(whole, kept);
 }
 
-// The k-th cell of type t has the id k * types + t: a changed count of one type leaves the other cells as they were.
+// The k-th cell of type t has the id k * types + t: a changed count of one type leaves the other cells as
+// they were.
 Cells draw_cells(const std::vector<Demand> &demands, std::size_t types, const Dictionary &dictionary,
                  const std::vector<std::size_t> &entry_of_type, const DonorOptions &options) {
   std::vector<std::pair<std::uint64_t, std::size_t>> rows; // id, demand
   std::vector<std::uint64_t> made(types);
   for (std::size_t d = 0; d < demands.size(); d++)
-    for (std::uint64_t i = 0; i < demands[d].count; i++) rows.emplace_back(made[demands[d].type]++ * types + demands[d].type, d);
+    for (std::uint64_t i = 0; i < demands[d].count; i++)
+      rows.emplace_back(made[demands[d].type]++ * types + demands[d].type, d);
   std::sort(rows.begin(), rows.end());
   Cells cells;
   for (const auto &[id, d] : rows) {
-    const std::size_t type = demands[d].type, donor = draw_donor(dictionary, entry_of_type[type], id, options.seed);
+    const std::size_t type = demands[d].type,
+                      donor = draw_donor(dictionary, entry_of_type[type], id, options.seed);
     cells.id.push_back(id);
     cells.type.push_back(static_cast<std::uint32_t>(type));
     cells.donor.push_back(static_cast<std::uint32_t>(donor));
@@ -69,11 +75,13 @@ Cells draw_cells(const std::vector<Demand> &demands, std::size_t types, const Di
   return cells;
 }
 
-std::vector<SomaRequest> requests_of(const Cells &cells, const std::vector<Demand> &demands, const Profile &profile) {
+std::vector<SomaRequest> requests_of(const Cells &cells, const std::vector<Demand> &demands,
+                                     const Profile &profile) {
   std::vector<SomaRequest> requests;
   for (std::size_t i = 0; i < cells.id.size(); i++) {
     const Demand &demand = demands[cells.demand[i]];
-    requests.push_back({cells.id[i], static_cast<double>(cells.radius[i]), demand.z_lo, demand.z_hi, demand.by_profile ? &profile : nullptr});
+    requests.push_back({cells.id[i], static_cast<double>(cells.radius[i]), demand.z_lo, demand.z_hi,
+                        demand.by_profile ? &profile : nullptr});
   }
   return requests;
 }
@@ -89,7 +97,8 @@ void write_domain(conceg_doc *doc, const RecipeInput &recipe, const std::vector<
     std::vector<std::string> name;
     std::vector<double> lo, hi, density;
     for (std::size_t i = 0; i < recipe.layers.size(); i++) {
-      double expected = 0.0; // of the types that take a fraction, and of those with a density in this layer alone
+      double expected =
+          0.0; // of the types that take a fraction, and of those with a density in this layer alone
       for (const Demand &demand : demands)
         if (demand.layer == static_cast<int>(i)) expected += demand.expected;
       name.push_back(recipe.layers[i].name);
@@ -108,7 +117,8 @@ void write_domain(conceg_doc *doc, const RecipeInput &recipe, const std::vector<
   }
 }
 
-void write_types(conceg_doc *doc, const RecipeInput &recipe, const std::vector<Demand> &demands, const Cells &cells) {
+void write_types(conceg_doc *doc, const RecipeInput &recipe, const std::vector<Demand> &demands,
+                 const Cells &cells) {
   const std::size_t types = recipe.types.size();
   std::vector<std::string> name, class_name, layer, entry;
   std::vector<double> fraction(types), radius_scale;
@@ -119,8 +129,10 @@ void write_types(conceg_doc *doc, const RecipeInput &recipe, const std::vector<D
     asked[demand.type] += demand.count;
     total += demand.expected;
   }
-  for (double &share : fraction) share /= total;
-  for (const std::uint32_t type : cells.type) placed[type]++;
+  for (double &share : fraction)
+    share /= total;
+  for (const std::uint32_t type : cells.type)
+    placed[type]++;
   for (const TypeInput &type : recipe.types) {
     name.push_back(type.share.name);
     class_name.push_back(type.class_name);
@@ -140,7 +152,8 @@ void write_types(conceg_doc *doc, const RecipeInput &recipe, const std::vector<D
 
 void write_cells(conceg_doc *doc, const Cells &cells, const std::vector<glm::dvec3> &somas) {
   std::vector<double> rotation;
-  for (const glm::dquat &q : cells.rotation) rotation.insert(rotation.end(), {q.w, q.x, q.y, q.z});
+  for (const glm::dquat &q : cells.rotation)
+    rotation.insert(rotation.end(), {q.w, q.x, q.y, q.z});
   put(doc, "/cells/id", cells.id);
   put(doc, "/cells/type", cells.type);
   put(doc, "/cells/donor", cells.donor);
@@ -173,10 +186,11 @@ void place_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
   std::vector<std::size_t> entry_of_type;
   const Dictionary dictionary = dictionary_for(ctx, recipe, entry_of_type);
   std::vector<TypeShare> shares;
-  for (const TypeInput &type : recipe.types) shares.push_back(type.share);
+  for (const TypeInput &type : recipe.types)
+    shares.push_back(type.share);
   const glm::dvec3 size = side(recipe.box);
-  const std::vector<Demand> demands = compose({size.x * size.y, recipe.box.lo[2], recipe.box.hi[2]}, recipe.layers, shares,
-                                              recipe.density, recipe.profile);
+  const std::vector<Demand> demands = compose({size.x * size.y, recipe.box.lo[2], recipe.box.hi[2]},
+                                              recipe.layers, shares, recipe.density, recipe.profile);
   DonorOptions options;
   options.pia = recipe.pia;
   options.axons = conceg_params_bool(params, "axons") != 0;
@@ -184,12 +198,15 @@ void place_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
   options.min_radius_um = conceg_params_f64(params, "min_radius_um");
   options.seed = conceg_ctx_seed(ctx);
   const Cells cells = draw_cells(demands, recipe.types.size(), dictionary, entry_of_type, options);
-  const std::vector<glm::dvec3> somas = place_somas(recipe.box, requests_of(cells, demands, recipe.profile),
-                                                    conceg_params_f64(params, "soma_gap_um"), options.seed, progress_of(ctx));
+  const std::vector<glm::dvec3> somas =
+      place_somas(recipe.box, requests_of(cells, demands, recipe.profile),
+                  conceg_params_f64(params, "soma_gap_um"), options.seed, progress_of(ctx));
   Bars bars;
   for (std::size_t i = 0; i < cells.id.size(); i++) {
     const std::uint32_t type = cells.type[i];
-    append_cell(dictionary, {cells.id[i], entry_of_type[type], cells.donor[i], cells.rotation[i], somas[i], recipe.types[type].radius_scale},
+    append_cell(dictionary,
+                {cells.id[i], entry_of_type[type], cells.donor[i], cells.rotation[i], somas[i],
+                 recipe.types[type].radius_scale},
                 options, bars);
     must(conceg_ctx_progress(ctx, "barcodes", i + 1, cells.id.size()));
   }
@@ -205,12 +222,15 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
 }
 
 const conceg_param kParams[] = {
-    {"soma_gap_um", "um", "smallest distance between the surfaces of two somas, images included", "1", nullptr, CONCEG_PARAM_F64, 0, 0,
-     1000},
-    {"axons", "", "also grow the axon trees that the dictionary has for a donor", "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
-    {"angles", "", "angle at a fork: the donor's own, or drawn from the distribution of its entry as in the paper", "donor",
+    {"soma_gap_um", "um", "smallest distance between the surfaces of two somas, images included", "1",
+     nullptr, CONCEG_PARAM_F64, 0, 0, 1000},
+    {"axons", "", "also grow the axon trees that the dictionary has for a donor", "false", nullptr,
+     CONCEG_PARAM_BOOL, 0, 0, 0},
+    {"angles", "",
+     "angle at a fork: the donor's own, or drawn from the distribution of its entry as in the paper", "donor",
      "donor|drawn", CONCEG_PARAM_CHOICE, 0, 0, 0},
-    {"min_radius_um", "um", "smallest target radius of a process", "0.15", nullptr, CONCEG_PARAM_F64, 0, 0.01, 10},
+    {"min_radius_um", "um", "smallest target radius of a process", "0.15", nullptr, CONCEG_PARAM_F64, 0, 0.01,
+     10},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0},
 };
 const char *const kReads[] = {nullptr};

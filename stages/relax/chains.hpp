@@ -50,7 +50,7 @@ struct Bodies {
       reach_radius; // per radius: the largest that it may get, for bounds and near-in-tree tests
 };
 
-constexpr std::uint32_t chunk_size = 8;
+constexpr std::uint32_t chunk_size = 4;
 
 // Checks the skeletons and builds the bodies with their target radii. `radius_min` is the least radius asked
 // for; a point whose target is thinner has its target as its floor. E_RANGE / E_FORMAT with dataset[index] on

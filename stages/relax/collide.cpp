@@ -25,6 +25,11 @@ struct Bounds {
   glm::dvec3 lo, hi;
 };
 
+bool overlap(const Bounds &x, const Bounds &y) {
+  return x.lo.x <= y.hi.x && y.lo.x <= x.hi.x && x.lo.y <= y.hi.y && y.lo.y <= x.hi.y && x.lo.z <= y.hi.z &&
+         y.lo.z <= x.hi.z;
+}
+
 // A chunk in the box (its middle lies there), or a ghost of it lifted by `lift` more sides.
 struct Placed {
   std::uint32_t chunk;
@@ -341,13 +346,15 @@ Search Collider::find(const Bodies &bodies, const std::vector<double> &radius, c
   {
     const Scene core_scene(device, core_primitives);
     // Embree reports each pair of one scene twice.
-    inside = collide_scenes(device, core_scene, core_scene, device_->arena,
-                            [](const Candidate &c) { return c.first < c.second; });
+    inside = collide_scenes(device, core_scene, core_scene, device_->arena, [&](const Candidate &c) {
+      return c.first < c.second && overlap(core[c.first].bounds, core[c.second].bounds);
+    });
     if (!ghosts.empty()) {
       const Scene ghost_scene(device, ghost_primitives);
       // (i, image of j) is also found as (j, image of i).
-      across = collide_scenes(device, core_scene, ghost_scene, device_->arena,
-                              [&](const Candidate &c) { return c.first <= ghosts[c.second].chunk; });
+      across = collide_scenes(device, core_scene, ghost_scene, device_->arena, [&](const Candidate &c) {
+        return c.first <= ghosts[c.second].chunk && overlap(core[c.first].bounds, ghosts[c.second].bounds);
+      });
     }
   }
   search.chunk_pairs = inside.size() + across.size();

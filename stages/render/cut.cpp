@@ -15,22 +15,27 @@ struct Piece {
   std::int32_t body;
 };
 
-glm::dvec2 flat(const CutPlane &plane, const glm::dvec3 &p) { return {p[plane.across], p[plane.up]}; }
+glm::dvec2 flat(const CutPlane &plane, const glm::dvec3 &p) {
+  return {p[plane.across], p[plane.up]};
+}
 
-// The pieces in which one surface meets the plane. A vertex on the plane counts as above it, so no piece is lost or doubled.
+// The pieces in which one surface meets the plane. A vertex on the plane counts as above it, so no piece is
+// lost or doubled.
 void cut_surface(const Body &body, std::int32_t number, const CutPlane &plane, std::vector<Piece> &pieces) {
   const bool mirrored = plane.axis == 1; // (x, z, y) is left-handed
   for (const glm::uvec3 &f : body.face) {
     const glm::dvec3 *corner[3] = {&body.vertex[f.x], &body.vertex[f.y], &body.vertex[f.z]};
     bool above[3];
-    for (int k = 0; k < 3; k++) above[k] = (*corner[k])[plane.axis] >= plane.position;
+    for (int k = 0; k < 3; k++)
+      above[k] = (*corner[k])[plane.axis] >= plane.position;
     if (above[0] == above[1] && above[1] == above[2]) continue;
     glm::dvec2 rising(0.0), falling(0.0);
     for (int k = 0; k < 3; k++) {
       const int next = (k + 1) % 3;
       if (above[k] == above[next]) continue;
       // Computed from the lower end, so that both triangles of an edge get the same point.
-      const glm::dvec3 &low = above[k] ? *corner[next] : *corner[k], &high = above[k] ? *corner[k] : *corner[next];
+      const glm::dvec3 &low = above[k] ? *corner[next] : *corner[k],
+                       &high = above[k] ? *corner[k] : *corner[next];
       const double share = (plane.position - low[plane.axis]) / (high[plane.axis] - low[plane.axis]);
       (above[k] ? falling : rising) = flat(plane, low + share * (high - low));
     }
@@ -47,17 +52,23 @@ struct Crossing {
 class Sampler {
 public:
   Sampler(const Scene &scene, const CutPlane &plane, int width, int height)
-      : low_(flat(plane, scene.lo)), step_((flat(plane, scene.hi) - low_) / glm::dvec2(width, height)), width_(width), height_(height) {}
+      : low_(flat(plane, scene.lo)), step_((flat(plane, scene.hi) - low_) / glm::dvec2(width, height)),
+        width_(width), height_(height) {}
 
   double x(double column) const { return low_.x + (column + 0.5) * step_.x; }
   double y(double row) const { return low_.y + (height_ - row - 0.5) * step_.y; }
   double column(double at_x) const { return (at_x - low_.x) / step_.x - 0.5; }
   double row(double at_y) const { return height_ - (at_y - low_.y) / step_.y - 0.5; }
-  int first(double place, int count) const { return static_cast<int>(std::min<double>(std::max(std::ceil(place), 0.0), count)); }
+  int first(double place, int count) const {
+    return static_cast<int>(std::min<double>(std::max(std::ceil(place), 0.0), count));
+  }
   int width() const { return width_; }
   int height() const { return height_; }
   double left() const { return low_.x; }
-  std::size_t index(int column_, int row_) const { return static_cast<std::size_t>(row_) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(column_); }
+  std::size_t index(int column_, int row_) const {
+    return static_cast<std::size_t>(row_) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(column_);
+  }
 
 private:
   glm::dvec2 low_, step_;
@@ -105,18 +116,24 @@ void fill_row(CutMap &map, const Sampler &grid, int row, std::vector<Crossing> &
   int column = 0;
   for (const Crossing &crossing : crossings) {
     const int end = grid.first(grid.column(crossing.at), grid.width());
-    for (; column < end; column++) map.body[grid.index(column, row)] = owner;
-    if (!crossing.leaves) owner = crossing.body;
-    else if (owner == crossing.body) owner = -1;
+    for (; column < end; column++)
+      map.body[grid.index(column, row)] = owner;
+    if (!crossing.leaves)
+      owner = crossing.body;
+    else if (owner == crossing.body)
+      owner = -1;
   }
-  for (; column < grid.width(); column++) map.body[grid.index(column, row)] = owner;
+  for (; column < grid.width(); column++)
+    map.body[grid.index(column, row)] = owner;
 }
 
 void mark_membrane(CutMap &map, const Sampler &grid, const Piece &piece, double half_um) {
   const glm::dvec2 along = piece.to - piece.from;
   const double length2 = glm::dot(along, along);
-  const glm::dvec2 low = glm::min(piece.from, piece.to) - half_um, high = glm::max(piece.from, piece.to) + half_um;
-  const int right = grid.first(grid.column(high.x), grid.width()), bottom = grid.first(grid.row(low.y), grid.height());
+  const glm::dvec2 low = glm::min(piece.from, piece.to) - half_um,
+                   high = glm::max(piece.from, piece.to) + half_um;
+  const int right = grid.first(grid.column(high.x), grid.width()),
+            bottom = grid.first(grid.row(low.y), grid.height());
   for (int row = grid.first(grid.row(high.y), grid.height()); row < bottom; row++)
     for (int column = grid.first(grid.column(low.x), grid.width()); column < right; column++) {
       const glm::dvec2 to = glm::dvec2(grid.x(column), grid.y(row)) - piece.from;
@@ -126,15 +143,20 @@ void mark_membrane(CutMap &map, const Sampler &grid, const Piece &piece, double 
     }
 }
 
-// Owner and distance of each sample to the nearest cone; beyond `reach_um` outside of every cone it stays infinite.
-void cut_cones(const Scene &scene, const CutPlane &plane, const Sampler &grid, double reach_um, CutMap &map, std::vector<float> &nearest) {
+// Owner and distance of each sample to the nearest cone; beyond `reach_um` outside of every cone it stays
+// infinite.
+void cut_cones(const Scene &scene, const CutPlane &plane, const Sampler &grid, double reach_um, CutMap &map,
+               std::vector<float> &nearest) {
   for (std::size_t k = 0; k < scene.bodies.size(); k++)
     for (const RoundCone &cone : scene.bodies[k].cones) {
-      const glm::dvec3 low = glm::min(cone.a - cone.ra, cone.b - cone.rb) - reach_um, high = glm::max(cone.a + cone.ra, cone.b + cone.rb) + reach_um;
+      const glm::dvec3 low = glm::min(cone.a - cone.ra, cone.b - cone.rb) - reach_um,
+                       high = glm::max(cone.a + cone.ra, cone.b + cone.rb) + reach_um;
       if (plane.position < low[plane.axis] || plane.position > high[plane.axis]) continue;
-      const int right = grid.first(grid.column(high[plane.across]), grid.width()), bottom = grid.first(grid.row(low[plane.up]), grid.height());
+      const int right = grid.first(grid.column(high[plane.across]), grid.width()),
+                bottom = grid.first(grid.row(low[plane.up]), grid.height());
       for (int row = grid.first(grid.row(high[plane.up]), grid.height()); row < bottom; row++)
-        for (int column = grid.first(grid.column(low[plane.across]), grid.width()); column < right; column++) {
+        for (int column = grid.first(grid.column(low[plane.across]), grid.width()); column < right;
+             column++) {
           glm::dvec3 p;
           p[plane.axis] = plane.position, p[plane.across] = grid.x(column), p[plane.up] = grid.y(row);
           const auto d = static_cast<float>(cone_distance(cone, p));
@@ -147,10 +169,13 @@ void cut_cones(const Scene &scene, const CutPlane &plane, const Sampler &grid, d
 }
 
 // Divided by its slope in the plane, the distance to a slanted membrane becomes that to its line.
-void mark_cone_membranes(const std::vector<float> &nearest, const Sampler &grid, double half_um, CutMap &map) {
+void mark_cone_membranes(const std::vector<float> &nearest, const Sampler &grid, double half_um,
+                         CutMap &map) {
   for (int row = 0; row < grid.height(); row++)
     for (int column = 0; column < grid.width(); column++) {
-      const auto at = [&](int x, int y) { return nearest[grid.index(std::clamp(x, 0, grid.width() - 1), std::clamp(y, 0, grid.height() - 1))]; };
+      const auto at = [&](int x, int y) {
+        return nearest[grid.index(std::clamp(x, 0, grid.width() - 1), std::clamp(y, 0, grid.height() - 1))];
+      };
       const double d = at(column, row);
       if (!(std::fabs(d) <= half_um)) continue;
       const double across = 0.5 * (at(column + 1, row) - at(column - 1, row)) / (grid.x(1) - grid.x(0));
@@ -166,7 +191,8 @@ CutPlane cut_plane(int axis, double position_um) {
   return {axis, axis == 0 ? 1 : 0, axis == 2 ? 1 : 2, position_um};
 }
 
-CutMap cut(const Scene &scene, const CutPlane &plane, int width, int height, double membrane_um, Workers &workers, const Progress &progress) {
+CutMap cut(const Scene &scene, const CutPlane &plane, int width, int height, double membrane_um,
+           Workers &workers, const Progress &progress) {
   const Sampler grid(scene, plane, width, height);
   CutMap map;
   map.width = width, map.height = height;
@@ -174,7 +200,9 @@ CutMap cut(const Scene &scene, const CutPlane &plane, int width, int height, dou
   map.membrane.assign(map.body.size(), 0);
   std::vector<std::vector<Piece>> per_body(scene.bodies.size());
   bool cones = false;
-  workers.loop(scene.bodies.size(), 1, [&](std::size_t k, unsigned) { cut_surface(scene.bodies[k], static_cast<std::int32_t>(k), plane, per_body[k]); });
+  workers.loop(scene.bodies.size(), 1, [&](std::size_t k, unsigned) {
+    cut_surface(scene.bodies[k], static_cast<std::int32_t>(k), plane, per_body[k]);
+  });
   std::vector<Piece> pieces;
   for (std::size_t k = 0; k < per_body.size(); k++) {
     pieces.insert(pieces.end(), per_body[k].begin(), per_body[k].end());
@@ -188,18 +216,21 @@ CutMap cut(const Scene &scene, const CutPlane &plane, int width, int height, dou
       fill_row(map, grid, y, rows[row]);
     } else if (!pieces.empty()) {
       const std::int32_t owner = owner_of_plain_row(pieces, grid.x(0.5 * width), grid.y(y));
-      for (int x = 0; x < width; x++) map.body[grid.index(x, y)] = owner;
+      for (int x = 0; x < width; x++)
+        map.body[grid.index(x, y)] = owner;
     }
   });
   report(progress, "render: cut", 2, 3);
-  for (const Piece &piece : pieces) mark_membrane(map, grid, piece, 0.5 * membrane_um);
+  for (const Piece &piece : pieces)
+    mark_membrane(map, grid, piece, 0.5 * membrane_um);
   if (cones) {
     std::vector<float> nearest(map.body.size(), INFINITY);
     cut_cones(scene, plane, grid, membrane_um, map, nearest);
     mark_cone_membranes(nearest, grid, 0.5 * membrane_um, map);
   }
   std::size_t inside = 0;
-  for (const std::int32_t body : map.body) inside += body >= 0;
+  for (const std::int32_t body : map.body)
+    inside += body >= 0;
   map.covered = map.body.empty() ? 0.0 : static_cast<double>(inside) / static_cast<double>(map.body.size());
   report(progress, "render: cut", 3, 3);
   return map;

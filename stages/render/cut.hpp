@@ -24,6 +24,7 @@ struct CutMap {
   double covered = 0.0;               // share of the samples that lie in a cell
 };
 
-CutMap cut(const Scene &scene, const CutPlane &plane, int width, int height, double membrane_um, Workers &workers, const Progress &progress);
+CutMap cut(const Scene &scene, const CutPlane &plane, int width, int height, double membrane_um,
+           Workers &workers, const Progress &progress);
 
 } // namespace conceg::rendering

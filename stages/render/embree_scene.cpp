@@ -18,8 +18,10 @@ constexpr double edge_radius = 0.0008; // of the scene's diagonal
 
 RTCRay float_ray(const glm::dvec3 &start, const glm::dvec3 &direction, double from, double to) {
   RTCRay ray;
-  ray.org_x = static_cast<float>(start.x), ray.org_y = static_cast<float>(start.y), ray.org_z = static_cast<float>(start.z);
-  ray.dir_x = static_cast<float>(direction.x), ray.dir_y = static_cast<float>(direction.y), ray.dir_z = static_cast<float>(direction.z);
+  ray.org_x = static_cast<float>(start.x), ray.org_y = static_cast<float>(start.y),
+  ray.org_z = static_cast<float>(start.z);
+  ray.dir_x = static_cast<float>(direction.x), ray.dir_y = static_cast<float>(direction.y),
+  ray.dir_z = static_cast<float>(direction.z);
   ray.tnear = static_cast<float>(from), ray.tfar = static_cast<float>(to);
   ray.time = 0.0f, ray.mask = ~0u, ray.id = 0, ray.flags = 0;
   return ray;
@@ -38,13 +40,15 @@ RTCRayHit first_hit(RTCScene scene, const RTCRay &ray) {
 }
 
 // Fills a new buffer of a geometry; Embree owns it.
-float *float_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, std::size_t floats, std::size_t count) {
+float *float_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, std::size_t floats,
+                    std::size_t count) {
   void *memory = rtcSetNewGeometryBuffer(geometry, type, 0, format, floats * sizeof(float), count);
   if (!memory) throw std::bad_alloc();
   return static_cast<float *>(memory);
 }
 std::uint32_t *index_buffer(RTCGeometry geometry, RTCFormat format, std::size_t numbers, std::size_t count) {
-  void *memory = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, format, numbers * sizeof(std::uint32_t), count);
+  void *memory = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, format,
+                                         numbers * sizeof(std::uint32_t), count);
   if (!memory) throw std::bad_alloc();
   return static_cast<std::uint32_t *>(memory);
 }
@@ -56,17 +60,22 @@ void attach(RTCScene scene, RTCGeometry geometry, unsigned id) {
 }
 
 void put_ball(float *&out, const glm::dvec3 &p, double radius) {
-  for (int axis = 0; axis < 3; axis++) *out++ = static_cast<float>(p[axis]);
+  for (int axis = 0; axis < 3; axis++)
+    *out++ = static_cast<float>(p[axis]);
   *out++ = static_cast<float>(radius);
 }
 
 } // namespace
 
-RayScene::RayScene(const Scene &scene, unsigned threads) : scene_(scene), middle_(0.5 * (scene.lo + scene.hi)) {
-  // A number of threads given to Embree limits TBB in the whole process, so it is given only when it is asked for.
+RayScene::RayScene(const Scene &scene, unsigned threads)
+    : scene_(scene), middle_(0.5 * (scene.lo + scene.hi)) {
+  // A number of threads given to Embree limits TBB in the whole process, so it is given only when it is asked
+  // for.
   const bool all = threads >= std::thread::hardware_concurrency();
   device_ = rtcNewDevice(all ? nullptr : ("threads=" + std::to_string(threads)).c_str());
-  if (!device_) fail(CONCEG_E_UNSUPPORTED, "Embree gave no device (error %d)", static_cast<int>(rtcGetDeviceError(nullptr)));
+  if (!device_)
+    fail(CONCEG_E_UNSUPPORTED, "Embree gave no device (error %d)",
+         static_cast<int>(rtcGetDeviceError(nullptr)));
   cells_ = rtcNewScene(device_), edges_ = rtcNewScene(device_);
   shapes_.resize(kinds * scene.bodies.size());
   for (std::uint32_t k = 0; k < scene.bodies.size(); k++) {
@@ -78,7 +87,8 @@ RayScene::RayScene(const Scene &scene, unsigned threads) : scene_(scene), middle
   rtcCommitScene(edges_);
   const RTCError error = rtcGetDeviceError(device_);
   if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
-  if (error != RTC_ERROR_NONE) fail(CONCEG_E_INTERNAL, "Embree failed to build the scene (error %d)", static_cast<int>(error));
+  if (error != RTC_ERROR_NONE)
+    fail(CONCEG_E_INTERNAL, "Embree failed to build the scene (error %d)", static_cast<int>(error));
 }
 
 RayScene::~RayScene() {
@@ -91,10 +101,12 @@ void RayScene::add_surface(const Body &body, std::uint32_t number) {
   RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
   float *vertex = float_buffer(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, 3, body.vertex.size());
   for (const glm::dvec3 &p : body.vertex)
-    for (int axis = 0; axis < 3; axis++) *vertex++ = static_cast<float>(p[axis] - middle_[axis]);
+    for (int axis = 0; axis < 3; axis++)
+      *vertex++ = static_cast<float>(p[axis] - middle_[axis]);
   std::uint32_t *index = index_buffer(geometry, RTC_FORMAT_UINT3, 3, body.face.size());
   for (const glm::uvec3 &f : body.face)
-    for (int k = 0; k < 3; k++) *index++ = f[k];
+    for (int k = 0; k < 3; k++)
+      *index++ = f[k];
   attach(cells_, geometry, kinds * number + surface_kind);
 }
 
@@ -119,17 +131,20 @@ void RayScene::add_cones(const Body &body, std::uint32_t number) {
   if (balls.empty()) return;
   RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_SPHERE_POINT);
   float *centres = float_buffer(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, 4, balls.size());
-  for (const RoundCone *ball : balls) put_ball(centres, ball->a - middle_, ball->ra);
+  for (const RoundCone *ball : balls)
+    put_ball(centres, ball->a - middle_, ball->ra);
   attach(cells_, geometry, kinds * number + sphere_kind);
 }
 
 void RayScene::add_edges() {
-  const glm::dvec3 corner[2] = {{scene_.box.lo[0], scene_.box.lo[1], scene_.box.lo[2]}, {scene_.box.hi[0], scene_.box.hi[1], scene_.box.hi[2]}};
+  const glm::dvec3 corner[2] = {{scene_.box.lo[0], scene_.box.lo[1], scene_.box.lo[2]},
+                                {scene_.box.hi[0], scene_.box.hi[1], scene_.box.hi[2]}};
   const double radius = edge_radius * glm::length(scene_.hi - scene_.lo);
   RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE);
   float *ends = float_buffer(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, 4, 24);
   std::uint32_t *index = index_buffer(geometry, RTC_FORMAT_UINT, 1, 12);
-  for (std::uint32_t k = 0; k < 12; k++) *index++ = 2 * k;
+  for (std::uint32_t k = 0; k < 12; k++)
+    *index++ = 2 * k;
   for (int axis = 0; axis < 3; axis++)
     for (int k = 0; k < 4; k++)
       for (int end = 0; end < 2; end++) {
@@ -143,7 +158,8 @@ void RayScene::add_edges() {
 
 RayHit RayScene::first(const glm::dvec3 &start, const glm::dvec3 &direction, double from, double to) const {
   // The float ray begins where it enters, which keeps its numbers small.
-  const RTCRayHit both = first_hit(cells_, float_ray(start + from * direction - middle_, direction, 0.0, to - from));
+  const RTCRayHit both =
+      first_hit(cells_, float_ray(start + from * direction - middle_, direction, 0.0, to - from));
   RayHit hit;
   if (both.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
   const std::uint32_t number = both.hit.geomID / kinds;
@@ -155,7 +171,8 @@ RayHit RayScene::first(const glm::dvec3 &start, const glm::dvec3 &direction, dou
   hit.normal = plain;
   if (both.hit.geomID % kinds == surface_kind) {
     const glm::uvec3 &f = body.face[both.hit.primID];
-    hit.normal = glm::dvec3((1.0f - both.hit.u - both.hit.v) * body.normal[f.x] + both.hit.u * body.normal[f.y] + both.hit.v * body.normal[f.z]);
+    hit.normal = glm::dvec3((1.0f - both.hit.u - both.hit.v) * body.normal[f.x] +
+                            both.hit.u * body.normal[f.y] + both.hit.v * body.normal[f.z]);
     if (glm::length(hit.normal) == 0.0) hit.normal = plain;
   }
   const double length = glm::length(hit.normal);
@@ -188,7 +205,8 @@ std::int32_t RayScene::cone_owner(const glm::dvec3 &point) const {
   OwnerSearch search = {&shapes_, point, -1};
   const glm::dvec3 near = point - middle_;
   RTCPointQuery query;
-  query.x = static_cast<float>(near.x), query.y = static_cast<float>(near.y), query.z = static_cast<float>(near.z);
+  query.x = static_cast<float>(near.x), query.y = static_cast<float>(near.y),
+  query.z = static_cast<float>(near.z);
   query.time = 0.0f, query.radius = 1e-4f;
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
@@ -206,12 +224,15 @@ bool RayScene::blocked(const glm::dvec3 &start, const glm::dvec3 &direction, dou
 
 double RayScene::edge_distance(const glm::dvec3 &start, const glm::dvec3 &direction) const {
   // Edges may stick out before the plane that rays start from.
-  const double before = 4.0 * edge_radius * glm::length(scene_.hi - scene_.lo) + glm::length(side(scene_.box));
-  const RTCRayHit both = first_hit(edges_, float_ray(start - before * direction - middle_, direction, 0.0, 1e9));
+  const double before =
+      4.0 * edge_radius * glm::length(scene_.hi - scene_.lo) + glm::length(side(scene_.box));
+  const RTCRayHit both =
+      first_hit(edges_, float_ray(start - before * direction - middle_, direction, 0.0, 1e9));
   return both.hit.geomID == RTC_INVALID_GEOMETRY_ID ? INFINITY : both.ray.tfar - before;
 }
 
-bool clip_to_box(const Scene &scene, const glm::dvec3 &start, const glm::dvec3 &direction, double &from, double &to) {
+bool clip_to_box(const Scene &scene, const glm::dvec3 &start, const glm::dvec3 &direction, double &from,
+                 double &to) {
   if (!scene.clipped) return from <= to;
   for (int axis = 0; axis < 3; axis++) {
     if (!scene.box.periodic[axis]) continue;
@@ -240,6 +261,8 @@ glm::dvec3 box_normal(const Scene &scene, const glm::dvec3 &place) {
   return normal;
 }
 
-std::shared_ptr<const RayScene> make_ray_scene(const Scene &scene, unsigned threads) { return std::make_shared<const RayScene>(scene, threads); }
+std::shared_ptr<const RayScene> make_ray_scene(const Scene &scene, unsigned threads) {
+  return std::make_shared<const RayScene>(scene, threads);
+}
 
 } // namespace conceg::rendering

@@ -13,7 +13,7 @@ struct RTCSceneTy;
 namespace conceg::rendering {
 
 struct RayHit {
-  double distance = INFINITY; // um
+  double distance = INFINITY;          // um
   glm::dvec3 normal = glm::dvec3(0.0); // unit, smoothed over the surface
   std::int32_t body = -1;
   bool inside = false; // the surface is seen from within
@@ -45,8 +45,10 @@ private:
   RTCSceneTy *cells_ = nullptr, *edges_ = nullptr;
 };
 
-// Shortens [from, to] to the part of the ray within the box on the axes where the scene is cut; false when none is left.
-bool clip_to_box(const Scene &scene, const glm::dvec3 &start, const glm::dvec3 &direction, double &from, double &to);
+// Shortens [from, to] to the part of the ray within the box on the axes where the scene is cut; false when
+// none is left.
+bool clip_to_box(const Scene &scene, const glm::dvec3 &start, const glm::dvec3 &direction, double &from,
+                 double &to);
 // Outward normal of the side of the box that is nearest to a point on it.
 glm::dvec3 box_normal(const Scene &scene, const glm::dvec3 &place);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Colours of cell types: a hue per class that colour-blind readers can tell apart, a shade per type, a hint of variation per
-// cell. Values are sRGB in [0, 1].
+// Colours of cell types: a hue per class that colour-blind readers can tell apart, a shade per type, a hint
+// of variation per cell. Values are sRGB in [0, 1].
 #pragma once
 
 #include <glm/vec3.hpp>

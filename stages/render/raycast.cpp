@@ -15,7 +15,7 @@ constexpr double degree = 3.14159265358979323846 / 180.0;
 constexpr int tile_pixels = 32;
 constexpr int filter_reach = 2; // samples on each side over which ambient occlusion is averaged
 constexpr int occlusion_rays = 2;
-const Colour paper(1.0f), edge_colour(0.16f, 0.18f, 0.22f);
+const Colour edge_colour(0.16f, 0.18f, 0.22f);
 
 // What a sample of the picture saw.
 struct Sample {
@@ -49,13 +49,16 @@ public:
   Caster(const Scene &scene, const RayScene &rays, const Camera &camera, const Frame &view)
       : scene_(scene), rays_(rays), camera_(camera), view_(view),
         key_(glm::normalize(-camera.forward() + 0.55 * camera.up() - 0.75 * camera.right())),
-        occlusion_reach_(0.12 * glm::length(scene.hi - scene.lo) / std::sqrt(3.0)), step_(1e-5 * glm::length(scene.hi - scene.lo)) {
-    for (const Body &body : scene.bodies) albedo_.push_back(to_linear(body.colour));
+        occlusion_reach_(0.12 * glm::length(scene.hi - scene.lo) / std::sqrt(3.0)),
+        step_(1e-5 * glm::length(scene.hi - scene.lo)) {
+    for (const Body &body : scene.bodies)
+      albedo_.push_back(to_linear(body.colour));
   }
 
   Sample cast(int sx, int sy) const {
     const double step = view_.um_per_pixel / view_.samples_per_side;
-    const glm::dvec2 at((sx + 0.5) * step - 0.5 * view_.width * view_.um_per_pixel, 0.5 * view_.height * view_.um_per_pixel - (sy + 0.5) * step);
+    const glm::dvec2 at((sx + 0.5) * step - 0.5 * view_.width * view_.um_per_pixel,
+                        0.5 * view_.height * view_.um_per_pixel - (sy + 0.5) * step);
     const glm::dvec3 start = camera_.start(at);
     Sample sample;
     double from = 0.0, to = camera_.depth();
@@ -64,7 +67,8 @@ public:
     if (clip_to_box(scene_, start, camera_.forward(), from, to)) hit = first_in_box(start, from, to);
     if (hit.body < 0 && !std::isfinite(edge)) return sample;
     if (hit.body < 0 || edge < hit.distance) {
-      sample.body = Sample::edge, sample.depth = static_cast<float>(edge), sample.albedo = to_linear(edge_colour);
+      sample.body = Sample::edge, sample.depth = static_cast<float>(edge),
+      sample.albedo = to_linear(edge_colour);
       return sample;
     }
     shade(start, from, hit, sx, sy, sample);
@@ -75,7 +79,8 @@ public:
   Colour finish(const Sample &sample, float occlusion) const {
     if (sample.body == Sample::edge) return sample.albedo;
     const float head = std::max(0.0f, glm::dot(sample.normal, glm::vec3(-camera_.forward())));
-    const float light = 0.42f * occlusion + 0.30f * head * (0.35f + 0.65f * occlusion) + 0.55f * sample.direct;
+    const float light =
+        0.42f * occlusion + 0.30f * head * (0.35f + 0.65f * occlusion) + 0.55f * sample.direct;
     // Far parts fade towards the paper, which reads as depth.
     const float fade = 0.30f * glm::clamp(sample.depth / static_cast<float>(camera_.depth()), 0.0f, 1.0f);
     return glm::mix(sample.albedo * light * 1.12f, Colour(0.86f), fade * fade + 0.25f * fade);
@@ -87,7 +92,8 @@ private:
     const glm::dvec3 entry = start + from * camera_.forward();
     RayHit hit = rays_.first(start, camera_.forward(), from, to);
     if (!scene_.clipped || from <= 0.0 || hit.inside) return hit;
-    // Cones overlap within a cell, so a ray that begins in one may first meet another from outside: their owner is asked for.
+    // Cones overlap within a cell, so a ray that begins in one may first meet another from outside: their
+    // owner is asked for.
     std::int32_t owner = rays_.cone_owner(entry);
     if (owner < 0 && hit.body < 0) {
       // Near an edge of the box a ray may leave it again within the same cell: a ray to the middle tells.
@@ -105,15 +111,18 @@ private:
     sample.body = hit.body, sample.depth = static_cast<float>(hit.distance);
     sample.albedo = albedo_[static_cast<std::size_t>(hit.body)];
     if (hit.inside) { // the ray entered the box within a cell: the cell's cut face is seen
-      place = start + from * camera_.forward(), normal = box_normal(scene_, place), sample.depth = static_cast<float>(from);
+      place = start + from * camera_.forward(), normal = box_normal(scene_, place),
+      sample.depth = static_cast<float>(from);
       sample.albedo = glm::mix(sample.albedo, Colour(1.0f), 0.10f);
     } else if (glm::dot(normal, camera_.forward()) > 0.0) {
-      normal = glm::normalize(normal - 1.02 * glm::dot(normal, camera_.forward()) * camera_.forward()); // smoothed beyond the rim
+      normal = glm::normalize(normal - 1.02 * glm::dot(normal, camera_.forward()) *
+                                           camera_.forward()); // smoothed beyond the rim
     }
     sample.normal = glm::vec3(normal);
     const glm::dvec3 above = place + step_ * normal;
     const double facing = glm::dot(normal, key_);
-    if (facing > 0.0 && !blocked(above, key_, glm::length(scene_.hi - scene_.lo))) sample.direct = static_cast<float>(facing);
+    if (facing > 0.0 && !blocked(above, key_, glm::length(scene_.hi - scene_.lo)))
+      sample.direct = static_cast<float>(facing);
     // 16 patterns repeat over 4 x 4 samples; the filter averages over more than one period.
     const std::uint32_t pattern = static_cast<std::uint32_t>((sx & 3) + 4 * (sy & 3));
     int open = 0;
@@ -139,8 +148,8 @@ private:
   std::vector<Colour> albedo_;
 };
 
-// One square of the picture: casts its samples with a margin, averages the occlusion over neighbours of like depth and
-// direction, and blends the result over the picture.
+// One square of the picture: casts its samples with a margin, averages the occlusion over neighbours of like
+// depth and direction, and blends the result over the picture.
 class TilePainter {
 public:
   TilePainter(const Caster &caster, const Frame &view, double depth_tolerance)
@@ -148,12 +157,14 @@ public:
 
   void paint(Image &image, int left, int top) {
     const int per_pixel = view_.samples_per_side;
-    const int width = std::min(tile_pixels, view_.width - left), height = std::min(tile_pixels, view_.height - top);
+    const int width = std::min(tile_pixels, view_.width - left),
+              height = std::min(tile_pixels, view_.height - top);
     columns_ = width * per_pixel + 2 * filter_reach;
     const int rows = height * per_pixel + 2 * filter_reach;
     samples_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows), Sample());
     for (int y = 0; y < rows; y++)
-      for (int x = 0; x < columns_; x++) at(x, y) = caster_.cast(left * per_pixel + x - filter_reach, top * per_pixel + y - filter_reach);
+      for (int x = 0; x < columns_; x++)
+        at(x, y) = caster_.cast(left * per_pixel + x - filter_reach, top * per_pixel + y - filter_reach);
     for (int y = 0; y < height; y++)
       for (int x = 0; x < width; x++) {
         Colour sum(0.0f);
@@ -173,7 +184,10 @@ public:
   }
 
 private:
-  Sample &at(int x, int y) { return samples_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x)]; }
+  Sample &at(int x, int y) {
+    return samples_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
+                    static_cast<std::size_t>(x)];
+  }
 
   float occlusion(int sx, int sy) {
     const Sample &centre = at(sx, sy);
@@ -184,8 +198,10 @@ private:
         if (other.body != centre.body || std::fabs(other.depth - centre.depth) > depth_tolerance_) continue;
         const float alike = glm::dot(other.normal, centre.normal);
         if (alike < 0.7f) continue;
-        // The outer columns and rows of the 5 x 5 window count half, so that each of the 4 x 4 patterns weighs the same.
-        const float w = (std::abs(x - sx) == filter_reach ? 0.5f : 1.0f) * (std::abs(y - sy) == filter_reach ? 0.5f : 1.0f);
+        // The outer columns and rows of the 5 x 5 window count half, so that each of the 4 x 4 patterns
+        // weighs the same.
+        const float w = (std::abs(x - sx) == filter_reach ? 0.5f : 1.0f) *
+                        (std::abs(y - sy) == filter_reach ? 0.5f : 1.0f);
         sum += w * other.occlusion, weight += w;
       }
     return weight > 0.0f ? sum / weight : centre.occlusion;
@@ -212,12 +228,15 @@ Camera::Camera(const Scene &scene, double azimuth_deg, double elevation_deg) {
   depth_ = reach(forward_) * (1.0 + 1e-6);
 }
 
-glm::dvec2 Camera::project(const glm::dvec3 &p) const { return {glm::dot(p - middle_, right_), glm::dot(p - middle_, up_)}; }
+glm::dvec2 Camera::project(const glm::dvec3 &p) const {
+  return {glm::dot(p - middle_, right_), glm::dot(p - middle_, up_)};
+}
 
-void draw_scene(Image &image, const Frame &view, const Scene &scene, const RayScene &rays, const Camera &camera, Workers &workers,
-                const Progress &progress) {
+void draw_scene(Image &image, const Frame &view, const Scene &scene, const RayScene &rays,
+                const Camera &camera, Workers &workers, const Progress &progress) {
   const Caster caster(scene, rays, camera, view);
-  const int across = (view.width + tile_pixels - 1) / tile_pixels, down = (view.height + tile_pixels - 1) / tile_pixels;
+  const int across = (view.width + tile_pixels - 1) / tile_pixels,
+            down = (view.height + tile_pixels - 1) / tile_pixels;
   const auto tiles = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
   std::atomic<std::size_t> done{0};
   workers.loop(tiles, 1, [&](std::size_t i, unsigned) {

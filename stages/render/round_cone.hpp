@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The round cone: the hull of two balls, by which a neurite's segment is drawn; a ball when both ends are one point.
+// The round cone: the hull of two balls, by which a neurite's segment is drawn; a ball when both ends are one
+// point.
 #pragma once
 
 #include <glm/geometric.hpp>

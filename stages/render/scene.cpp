@@ -12,8 +12,10 @@ std::vector<glm::vec3> vertex_normals(const Surface &surface) {
   std::vector<glm::dvec3> sum(surface.vertex.size(), glm::dvec3(0.0));
   for (const glm::uvec3 &f : surface.face) {
     const glm::dvec3 &a = surface.vertex[f.x];
-    const glm::dvec3 normal = glm::cross(surface.vertex[f.y] - a, surface.vertex[f.z] - a); // weighted by area
-    for (int k = 0; k < 3; k++) sum[f[k]] += normal;
+    const glm::dvec3 normal =
+        glm::cross(surface.vertex[f.y] - a, surface.vertex[f.z] - a); // weighted by area
+    for (int k = 0; k < 3; k++)
+      sum[f[k]] += normal;
   }
   std::vector<glm::vec3> normals(sum.size());
   for (std::size_t i = 0; i < sum.size(); i++) {
@@ -32,12 +34,14 @@ Body make_body(const conceg_box &box, bool clipped, const Cell &cell) {
   body.type = cell.type;
   const std::vector<glm::vec3> normals = vertex_normals(cell.surface);
   if (!clipped) {
-    body.vertex = cell.surface.vertex, body.face = cell.surface.face, body.normal = normals, body.cones = cell.cones;
+    body.vertex = cell.surface.vertex, body.face = cell.surface.face, body.normal = normals,
+    body.cones = cell.cones;
     return body;
   }
   TiledSurface tiled = tile(box, cell.surface);
   body.normal.reserve(tiled.source_vertex.size());
-  for (const std::uint32_t source : tiled.source_vertex) body.normal.push_back(normals[source]);
+  for (const std::uint32_t source : tiled.source_vertex)
+    body.normal.push_back(normals[source]);
   body.vertex = std::move(tiled.vertex), body.face = std::move(tiled.face);
   for (const RoundCone &cone : cell.cones) {
     glm::dvec3 low, high;
@@ -62,7 +66,8 @@ void add_bodies(Scene &scene, const std::vector<Cell> &cells, Workers &workers, 
   });
   glm::dvec3 low(INFINITY), high(-INFINITY);
   for (const Body &body : scene.bodies) {
-    for (const glm::dvec3 &p : body.vertex) low = glm::min(low, p), high = glm::max(high, p);
+    for (const glm::dvec3 &p : body.vertex)
+      low = glm::min(low, p), high = glm::max(high, p);
     for (const RoundCone &cone : body.cones) {
       glm::dvec3 from, to;
       bounds_of(cone, from, to);
@@ -72,8 +77,12 @@ void add_bodies(Scene &scene, const std::vector<Cell> &cells, Workers &workers, 
   const bool empty = !(low.x <= high.x);
   for (int axis = 0; axis < 3; axis++) {
     const bool cut = scene.clipped && scene.box.periodic[axis];
-    scene.lo[axis] = empty || cut ? scene.box.lo[axis] : scene.clipped ? std::min(low[axis], scene.box.lo[axis]) : low[axis];
-    scene.hi[axis] = empty || cut ? scene.box.hi[axis] : scene.clipped ? std::max(high[axis], scene.box.hi[axis]) : high[axis];
+    scene.lo[axis] = empty || cut    ? scene.box.lo[axis]
+                     : scene.clipped ? std::min(low[axis], scene.box.lo[axis])
+                                     : low[axis];
+    scene.hi[axis] = empty || cut    ? scene.box.hi[axis]
+                     : scene.clipped ? std::max(high[axis], scene.box.hi[axis])
+                                     : high[axis];
   }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is drawn: cells as triangle surfaces, or as round cones where there are no surfaces yet, either whole or as they fill
-// the box.
+// What is drawn: cells as triangle surfaces, or as round cones where there are no surfaces yet, either whole
+// or as they fill the box.
 #pragma once
 
 #include "palette.hpp"
@@ -38,7 +38,8 @@ struct Scene {
   std::vector<std::string> types; // names
   std::vector<Colour> type_colour;
   std::vector<Body> bodies;
-  glm::dvec3 lo = glm::dvec3(0.0), hi = glm::dvec3(0.0); // bounds of what is seen, the box included when clipped
+  glm::dvec3 lo = glm::dvec3(0.0),
+             hi = glm::dvec3(0.0); // bounds of what is seen, the box included when clipped
 };
 
 // Makes bodies of cells: tiled into the box when `clipped`, else as they are.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Circumsphere of a tetrahedron whose corners lie on the lattice of geom.h, from exact integers, so that a flat
-// tetrahedron cannot hide its large sphere behind rounding. Lengths in um.
+// Circumsphere of a tetrahedron whose corners lie on the lattice of geom.h, from exact integers, so that a
+// flat tetrahedron cannot hide its large sphere behind rounding. Lengths in um.
 #pragma once
 
 #include "conceg/geom.h"
@@ -42,7 +42,8 @@ inline bool circumsphere(const std::array<const double *, 4> &corner, Sphere &ou
   if (determinant == 0) return false;
   double r2 = 0.0;
   for (int axis = 0; axis < 3; axis++) {
-    const double offset = 0.5 * CONCEG_LATTICE_STEP_UM * (static_cast<double>(numerator[axis]) / static_cast<double>(determinant));
+    const double offset = 0.5 * CONCEG_LATTICE_STEP_UM *
+                          (static_cast<double>(numerator[axis]) / static_cast<double>(determinant));
     out.center[axis] = corner[0][axis] + offset;
     r2 += offset * offset;
   }

@@ -40,9 +40,10 @@ Delaunay triangulation_of(const std::vector<Copy> &copies) {
   return delaunay;
 }
 
-// True when no node outside `region` can change an edge at a core copy: each cell there is finite and its circumsphere
-// lies in the region, of which every node was inserted.
-bool certified(const Delaunay &delaunay, const std::vector<Copy> &copies, const Region &region, double &largest_circumradius) {
+// True when no node outside `region` can change an edge at a core copy: each cell there is finite and its
+// circumsphere lies in the region, of which every node was inserted.
+bool certified(const Delaunay &delaunay, const std::vector<Copy> &copies, const Region &region,
+               double &largest_circumradius) {
   if (delaunay.dimension() < 3) return false;
   for (auto cell = delaunay.all_cells_begin(); cell != delaunay.all_cells_end(); ++cell) {
     bool at_core = false, infinite = false;
@@ -82,11 +83,13 @@ Stars stars_of(const Delaunay &delaunay, const std::vector<Copy> &copies) {
       for (int i = 0; i < 4; i++) {
         const std::uint32_t from = cell->vertex(i)->info();
         if (!copies[from].core) continue;
-        for (int k = 1; k < 4; k++) visit(from, cell->vertex((i + k) & 3)->info());
+        for (int k = 1; k < 4; k++)
+          visit(from, cell->vertex((i + k) & 3)->info());
       }
   };
   each_pair([&](std::uint32_t from, std::uint32_t) { stars.offset[from + 1]++; });
-  for (std::size_t i = 0; i < copies.size(); i++) stars.offset[i + 1] += stars.offset[i];
+  for (std::size_t i = 0; i < copies.size(); i++)
+    stars.offset[i + 1] += stars.offset[i];
   stars.other.resize(stars.offset.back());
   std::vector<std::uint64_t> next(stars.offset.begin(), stars.offset.end() - 1);
   each_pair([&](std::uint32_t from, std::uint32_t to) { stars.other[next[from]++] = to; });
@@ -94,24 +97,27 @@ Stars stars_of(const Delaunay &delaunay, const std::vector<Copy> &copies) {
 }
 
 // Neighbour and shift in one number that sorts by neighbour, then by shift.
-std::uint64_t key_of(std::uint32_t node, const std::array<std::int8_t, 3> &from, const std::array<std::int8_t, 3> &to) {
+std::uint64_t key_of(std::uint32_t node, const std::array<std::int8_t, 3> &from,
+                     const std::array<std::int8_t, 3> &to) {
   std::uint64_t key = node;
   for (int axis = 0; axis < 3; axis++) {
     const int shift = to[axis] - from[axis];
-    if (shift < -127 || shift > 127) fail(CONCEG_E_INTERNAL, "network: expected a shift of at most 127 sides, got %d", shift);
+    if (shift < -127 || shift > 127)
+      fail(CONCEG_E_INTERNAL, "network: expected a shift of at most 127 sides, got %d", shift);
     key = key << 8 | static_cast<std::uint64_t>(shift + 128);
   }
   return key;
 }
 
-// One row per node of the tile. A node has one core copy, or its twins too in the paper's network; twins come last and
-// their node is also their row, since all nodes are in that one tile.
+// One row per node of the tile. A node has one core copy, or its twins too in the paper's network; twins come
+// last and their node is also their row, since all nodes are in that one tile.
 TileEdges rows_of(const Delaunay &delaunay, const std::vector<Copy> &copies) {
   const Stars stars = stars_of(delaunay, copies);
   const auto core = static_cast<std::size_t>(
       std::count_if(copies.begin(), copies.end(), [](const Copy &c) { return c.core; }));
   std::vector<std::uint32_t> sources(core);
-  for (std::size_t i = 0; i < core; i++) sources[i] = static_cast<std::uint32_t>(i);
+  for (std::size_t i = 0; i < core; i++)
+    sources[i] = static_cast<std::uint32_t>(i);
   std::stable_sort(sources.begin(), sources.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return copies[a].node < copies[b].node; });
 
@@ -160,13 +166,15 @@ TileEdges triangulate_tile(const Buckets &buckets, const Tile &tile, double halo
     }
     widened++;
   }
-  fail(CONCEG_E_STAGE, "network: no Delaunay triangulation within a halo of %g um; ask for a higher density_per_um3", halo_um);
+  fail(CONCEG_E_STAGE,
+       "network: no Delaunay triangulation within a halo of %g um; ask for a higher density_per_um3",
+       halo_um);
 }
 
 } // namespace
 
-Edges delaunay_edges(const conceg_box &box, const std::vector<glm::dvec3> &nodes, const DelaunayOptions &options,
-                     Workers &workers, const Progress &progress) {
+Edges delaunay_edges(const conceg_box &box, const std::vector<glm::dvec3> &nodes,
+                     const DelaunayOptions &options, Workers &workers, const Progress &progress) {
   Edges edges;
   if (options.mirrored_faces) {
     const std::vector<Copy> copies = gather_mirrored(box, nodes);
@@ -189,20 +197,25 @@ Edges delaunay_edges(const conceg_box &box, const std::vector<glm::dvec3> &nodes
       edges.largest_circumradius = std::max(edges.largest_circumradius, largest[i]);
     }
   }
-  for (const TileEdges &tile : edges.tiles) edges.count += tile.neighbour.size();
+  for (const TileEdges &tile : edges.tiles)
+    edges.count += tile.neighbour.size();
   return edges;
 }
 
-void merge_tiles(Edges &&edges, std::size_t nodes, std::uint64_t *offset, std::uint32_t *neighbour, std::int8_t *shift) {
+void merge_tiles(Edges &&edges, std::size_t nodes, std::uint64_t *offset, std::uint32_t *neighbour,
+                 std::int8_t *shift) {
   std::fill(offset, offset + nodes + 1, 0);
   for (const TileEdges &tile : edges.tiles)
-    for (std::size_t row = 0; row < tile.node.size(); row++) offset[tile.node[row] + 1] = tile.degree[row];
-  for (std::size_t i = 0; i < nodes; i++) offset[i + 1] += offset[i];
+    for (std::size_t row = 0; row < tile.node.size(); row++)
+      offset[tile.node[row] + 1] = tile.degree[row];
+  for (std::size_t i = 0; i < nodes; i++)
+    offset[i + 1] += offset[i];
   for (TileEdges &tile : edges.tiles) {
     std::size_t from = 0;
     for (std::size_t row = 0; row < tile.node.size(); row++) {
       const std::uint64_t to = offset[tile.node[row]];
-      std::copy_n(tile.neighbour.begin() + static_cast<std::ptrdiff_t>(from), tile.degree[row], neighbour + to);
+      std::copy_n(tile.neighbour.begin() + static_cast<std::ptrdiff_t>(from), tile.degree[row],
+                  neighbour + to);
       for (std::size_t k = 0; k < tile.degree[row]; k++)
         std::copy_n(tile.shift[from + k].begin(), 3, shift + 3 * (to + k));
       from += tile.degree[row];

@@ -14,9 +14,10 @@
 namespace conceg::triangulate {
 
 struct DelaunayOptions {
-  double tile_um = 50.0;       // largest side of a tile
-  double halo_um = 3.0;        // first width of the halo; a tile whose certificate fails is redone with a wider one
-  bool mirrored_faces = false; // the paper's: plain Delaunay of the closed box, twins on opposing faces made one
+  double tile_um = 50.0; // largest side of a tile
+  double halo_um = 3.0;  // first width of the halo; a tile whose certificate fails is redone with a wider one
+  bool mirrored_faces =
+      false; // the paper's: plain Delaunay of the closed box, twins on opposing faces made one
 };
 
 // Edges of the nodes of one tile: neighbours of node[i] follow one another, degree[i] of them.
@@ -32,13 +33,15 @@ struct Edges {
   double largest_circumradius = 0; // um, over all cells at core nodes
 };
 
-// Every tile holds the rows of its own nodes, sorted by neighbour and then by shift, where the neighbour stands at
-// position + shift * side. Independent of tiles and threads. Open sides are padded with the nodes' reflections: nodes are
-// joined there when their Voronoi regions meet inside the box.
-Edges delaunay_edges(const conceg_box &box, const std::vector<glm::dvec3> &nodes, const DelaunayOptions &options,
-                     Workers &workers, const Progress &progress);
+// Every tile holds the rows of its own nodes, sorted by neighbour and then by shift, where the neighbour
+// stands at position + shift * side. Independent of tiles and threads. Open sides are padded with the nodes'
+// reflections: nodes are joined there when their Voronoi regions meet inside the box.
+Edges delaunay_edges(const conceg_box &box, const std::vector<glm::dvec3> &nodes,
+                     const DelaunayOptions &options, Workers &workers, const Progress &progress);
 
-// Puts the rows in the order of the nodes: offset[nodes + 1], neighbour[count], shift[count][3]. Frees the tiles on the way.
-void merge_tiles(Edges &&edges, std::size_t nodes, std::uint64_t *offset, std::uint32_t *neighbour, std::int8_t *shift);
+// Puts the rows in the order of the nodes: offset[nodes + 1], neighbour[count], shift[count][3]. Frees the
+// tiles on the way.
+void merge_tiles(Edges &&edges, std::size_t nodes, std::uint64_t *offset, std::uint32_t *neighbour,
+                 std::int8_t *shift);
 
 } // namespace conceg::triangulate

@@ -24,7 +24,9 @@ struct Node {
   std::uint64_t draw;
 };
 
-bool same_place(const Node &a, const Node &b) { return a.position == b.position; }
+bool same_place(const Node &a, const Node &b) {
+  return a.position == b.position;
+}
 
 bool before(const Node &a, const Node &b) {
   if (a.curve != b.curve) return a.curve < b.curve;
@@ -44,7 +46,9 @@ std::uint64_t spread(std::uint64_t x) {
 }
 
 // Side of the cubic cell that holds two nodes.
-double cell_side(double density) { return conceg_pow(2.0 / density, 1.0 / 3.0); }
+double cell_side(double density) {
+  return conceg_pow(2.0 / density, 1.0 / 3.0);
+}
 
 // Position on the Morton curve through blocks of one node spacing.
 std::uint64_t curve_of(const conceg_box &box, const glm::dvec3 &position, double spacing) {
@@ -54,23 +58,28 @@ std::uint64_t curve_of(const conceg_box &box, const glm::dvec3 &position, double
   return code;
 }
 
-std::uint64_t lattice_steps(double length) { return static_cast<std::uint64_t>(length / CONCEG_LATTICE_STEP_UM + 0.5); }
+std::uint64_t lattice_steps(double length) {
+  return static_cast<std::uint64_t>(length / CONCEG_LATTICE_STEP_UM + 0.5);
+}
 
 // A lattice coordinate strictly between the faces `lo` and `lo + side`.
 double between(double lo, double side, conceg_rng &rng) {
-  return lo + static_cast<double>(1 + conceg_rng_below(&rng, lattice_steps(side) - 1)) * CONCEG_LATTICE_STEP_UM;
+  return lo +
+         static_cast<double>(1 + conceg_rng_below(&rng, lattice_steps(side) - 1)) * CONCEG_LATTICE_STEP_UM;
 }
 
 // The draw-th uniform node; `attempt` > 0 replaces a node that fell on another one.
-glm::dvec3 uniform_node(const conceg_box &box, std::uint64_t seed, std::uint64_t draw, std::uint64_t attempt, bool inside) {
+glm::dvec3 uniform_node(const conceg_box &box, std::uint64_t seed, std::uint64_t draw, std::uint64_t attempt,
+                        bool inside) {
   conceg_rng rng = conceg_rng_stream(seed, "triangulate.uniform", draw);
   rng.counter = 3 * attempt;
   glm::dvec3 position;
   for (int axis = 0; axis < 3; axis++) {
     const double side = conceg_box_side(&box, axis);
-    position[axis] = inside ? between(box.lo[axis], side, rng)
-                            : box.lo[axis] + static_cast<double>(conceg_rng_below(&rng, lattice_steps(side))) *
-                                                 CONCEG_LATTICE_STEP_UM;
+    position[axis] = inside
+                         ? between(box.lo[axis], side, rng)
+                         : box.lo[axis] + static_cast<double>(conceg_rng_below(&rng, lattice_steps(side))) *
+                                              CONCEG_LATTICE_STEP_UM;
   }
   return position;
 }
@@ -80,28 +89,31 @@ std::array<std::uint64_t, 3> bcc_cells(const conceg_box &box, double density) {
   const double cell = cell_side(density);
   std::array<std::uint64_t, 3> cells;
   for (int axis = 0; axis < 3; axis++)
-    cells[axis] = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(conceg_box_side(&box, axis) / cell + 0.5));
+    cells[axis] =
+        std::max<std::uint64_t>(1, static_cast<std::uint64_t>(conceg_box_side(&box, axis) / cell + 0.5));
   return cells;
 }
 
-// Corner (body 0) or centre (body 1) node of one cubic cell; a quarter cell off the cell's faces, so that a jitter
-// below a quarter keeps it in its cell.
+// Corner (body 0) or centre (body 1) node of one cubic cell; a quarter cell off the cell's faces, so that a
+// jitter below a quarter keeps it in its cell.
 glm::dvec3 bcc_node(const conceg_box &box, const std::array<std::uint64_t, 3> &cells, std::uint64_t draw,
                     const NodeOptions &options) {
   conceg_rng rng = conceg_rng_stream(options.seed, "triangulate.bcc", draw);
   const std::uint64_t body = draw & 1, block = draw >> 1;
-  const std::array<std::uint64_t, 3> at = {block % cells[0], block / cells[0] % cells[1], block / cells[0] / cells[1]};
+  const std::array<std::uint64_t, 3> at = {block % cells[0], block / cells[0] % cells[1],
+                                           block / cells[0] / cells[1]};
   glm::dvec3 position;
   for (int axis = 0; axis < 3; axis++) {
     const double cell = conceg_box_side(&box, axis) / static_cast<double>(cells[axis]);
     const double shift = options.jitter * (2.0 * conceg_rng_uniform(&rng) - 1.0);
-    position[axis] = conceg_snap(box.lo[axis] + cell * (static_cast<double>(at[axis]) + 0.25 + 0.5 * static_cast<double>(body) + shift));
+    position[axis] = conceg_snap(box.lo[axis] + cell * (static_cast<double>(at[axis]) + 0.25 +
+                                                        0.5 * static_cast<double>(body) + shift));
   }
   return position;
 }
 
-// Nodes on the faces, edges and corners of the box, at the density of the network's cross-section: one set per pair of
-// opposing faces on a periodic axis, one set per face on an open one.
+// Nodes on the faces, edges and corners of the box, at the density of the network's cross-section: one set
+// per pair of opposing faces on a periodic axis, one set per face on an open one.
 void add_face_nodes(const conceg_box &box, const NodeOptions &options, std::vector<glm::dvec3> &out) {
   const double line = conceg_pow(options.density_per_um3, 1.0 / 3.0);
   for (unsigned on = 1; on < 8; on++) { // bit a: the node lies on a face of axis a
@@ -111,14 +123,17 @@ void add_face_nodes(const conceg_box &box, const NodeOptions &options, std::vect
     const auto count = static_cast<std::uint64_t>(expected + 0.5);
     for (unsigned upper = 0; upper < 8; upper++) { // bit a: on the upper face of open axis a
       bool wanted = (upper & ~on) == 0;
-      for (int axis = 0; axis < 3; axis++) wanted = wanted && !((upper >> axis & 1) && box.periodic[axis]);
+      for (int axis = 0; axis < 3; axis++)
+        wanted = wanted && !((upper >> axis & 1) && box.periodic[axis]);
       for (std::uint64_t i = 0; wanted && i < count; i++) {
         conceg_rng rng = conceg_rng_stream(options.seed, "triangulate.face", (i << 6) | (upper << 3) | on);
         glm::dvec3 position;
         for (int axis = 0; axis < 3; axis++) {
           const double side = conceg_box_side(&box, axis);
-          if (on >> axis & 1) position[axis] = (upper >> axis & 1) ? box.hi[axis] : box.lo[axis];
-          else position[axis] = between(box.lo[axis], side, rng);
+          if (on >> axis & 1)
+            position[axis] = (upper >> axis & 1) ? box.hi[axis] : box.lo[axis];
+          else
+            position[axis] = between(box.lo[axis], side, rng);
         }
         out.push_back(position);
       }
@@ -126,8 +141,10 @@ void add_face_nodes(const conceg_box &box, const NodeOptions &options, std::vect
   }
 }
 
-// Sorts along the curve and gives every second node of one place a new draw inside the box, until no place is taken twice.
-void order_without_doubles(const conceg_box &box, const NodeOptions &options, double spacing, std::vector<Node> &nodes) {
+// Sorts along the curve and gives every second node of one place a new draw inside the box, until no place is
+// taken twice.
+void order_without_doubles(const conceg_box &box, const NodeOptions &options, double spacing,
+                           std::vector<Node> &nodes) {
   for (std::uint64_t attempt = 1;; attempt++) {
     tbb::parallel_sort(nodes.begin(), nodes.end(), before);
     bool doubled = false;
@@ -139,7 +156,8 @@ void order_without_doubles(const conceg_box &box, const NodeOptions &options, do
       }
     if (!doubled) return;
     if (attempt == 1000)
-      fail(CONCEG_E_RANGE, "density_per_um3: expected fewer nodes than lattice points, got %g; ask for a lower density",
+      fail(CONCEG_E_RANGE,
+           "density_per_um3: expected fewer nodes than lattice points, got %g; ask for a lower density",
            options.density_per_um3);
   }
 }
@@ -150,16 +168,23 @@ std::vector<glm::dvec3> make_nodes(const conceg_box &box, const NodeOptions &opt
                                    const Progress &progress) {
   for (int axis = 0; axis < 3; axis++)
     if (!(conceg_box_side(&box, axis) >= kSmallestSide))
-      fail(CONCEG_E_RANGE, "/domain: expected a side of at least %g um on axis %d, got %g um", kSmallestSide, axis, conceg_box_side(&box, axis));
+      fail(CONCEG_E_RANGE, "/domain: expected a side of at least %g um on axis %d, got %g um", kSmallestSide,
+           axis, conceg_box_side(&box, axis));
   const double expected = options.density_per_um3 * volume(box);
   if (!(expected < kNodeLimit))
-    fail(CONCEG_E_RANGE, "density_per_um3: expected fewer than 2^32 nodes in the box, got %.3g; ask for a lower density or a smaller box", expected);
+    fail(CONCEG_E_RANGE,
+         "density_per_um3: expected fewer than 2^32 nodes in the box, got %.3g; ask for a lower density or a "
+         "smaller box",
+         expected);
   const double spacing = cell_side(options.density_per_um3);
   const auto cells = bcc_cells(box, options.density_per_um3);
   const bool bcc = options.set == NodeSet::bcc;
-  const std::uint64_t count = bcc ? 2 * cells[0] * cells[1] * cells[2] : static_cast<std::uint64_t>(expected + 0.5);
+  const std::uint64_t count =
+      bcc ? 2 * cells[0] * cells[1] * cells[2] : static_cast<std::uint64_t>(expected + 0.5);
   if (count == 0)
-    fail(CONCEG_E_RANGE, "density_per_um3: expected at least one node in the box, got %g um^-3 x %g um3; ask for a higher density",
+    fail(CONCEG_E_RANGE,
+         "density_per_um3: expected at least one node in the box, got %g um^-3 x %g um3; ask for a higher "
+         "density",
          options.density_per_um3, volume(box));
   std::vector<glm::dvec3> faces;
   if (options.mirrored_faces) add_face_nodes(box, options, faces);
@@ -181,7 +206,8 @@ std::vector<glm::dvec3> make_nodes(const conceg_box &box, const NodeOptions &opt
   order_without_doubles(box, options, spacing, nodes);
 
   std::vector<glm::dvec3> positions(nodes.size());
-  std::transform(nodes.begin(), nodes.end(), positions.begin(), [](const Node &node) { return node.position; });
+  std::transform(nodes.begin(), nodes.end(), positions.begin(),
+                 [](const Node &node) { return node.position; });
   return positions;
 }
 

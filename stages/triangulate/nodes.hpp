@@ -20,7 +20,7 @@ enum class NodeSet {
 struct NodeOptions {
   NodeSet set = NodeSet::bcc;
   double density_per_um3 = 2.0;
-  double jitter = 0.2;         // bcc: largest shift along each axis, in units of the cubic cell's side; below 0.25
+  double jitter = 0.2; // bcc: largest shift along each axis, in units of the cubic cell's side; below 0.25
   bool mirrored_faces = false; // the paper's: nodes on the faces of the box, the same ones on opposing sides
   std::uint64_t seed = 1;
 };

@@ -12,15 +12,17 @@
 namespace conceg::triangulate {
 namespace {
 
-constexpr std::size_t kBlock = 4096;         // nodes between two progress reports
+constexpr std::size_t kBlock = 4096;                // nodes between two progress reports
 constexpr double kGridCells = 16 * 1024.0 * 1024.0; // most cells of the grid of somas
 
-// Somas in a grid of cells at least as wide as their reach (radius + cap), so that 27 cells hold all that matter.
+// Somas in a grid of cells at least as wide as their reach (radius + cap), so that 27 cells hold all that
+// matter.
 class SomaGrid {
 public:
   SomaGrid(const conceg_box &box, const std::vector<Soma> &somas, double cap_um) : box_(box), somas_(somas) {
     double reach = cap_um;
-    for (const Soma &soma : somas) reach = std::max(reach, soma.radius + cap_um);
+    for (const Soma &soma : somas)
+      reach = std::max(reach, soma.radius + cap_um);
     const double width = std::max(reach, conceg_pow(volume(box) / kGridCells, 1.0 / 3.0));
     for (int axis = 0; axis < 3; axis++) {
       const double cells = std::floor(conceg_box_side(&box, axis) / width);
@@ -28,7 +30,8 @@ public:
     }
     cells_.resize(static_cast<std::size_t>(count_[0]) * count_[1] * count_[2]);
     for (std::size_t i = 0; i < somas.size(); i++)
-      if (somas[i].radius > 0.0) cells_[index(cell_of(somas[i].center))].push_back(static_cast<std::uint32_t>(i));
+      if (somas[i].radius > 0.0)
+        cells_[index(cell_of(somas[i].center))].push_back(static_cast<std::uint32_t>(i));
   }
 
   double distance(const glm::dvec3 &p) const {
@@ -36,13 +39,15 @@ public:
     const glm::ivec3 center = cell_of(p);
     std::array<std::array<int, 3>, 3> around;
     std::array<int, 3> many;
-    for (int axis = 0; axis < 3; axis++) many[axis] = around_on(axis, center[axis], around[axis]);
+    for (int axis = 0; axis < 3; axis++)
+      many[axis] = around_on(axis, center[axis], around[axis]);
     for (int x = 0; x < many[0]; x++)
       for (int y = 0; y < many[1]; y++)
         for (int z = 0; z < many[2]; z++)
           for (const std::uint32_t i : cells_[index({around[0][x], around[1][y], around[2][z]})]) {
             const glm::dvec3 d = nearest(box_, p - somas_[i].center);
-            nearest_surface = std::min(nearest_surface, std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z) - somas_[i].radius);
+            nearest_surface =
+                std::min(nearest_surface, std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z) - somas_[i].radius);
           }
     return nearest_surface;
   }
@@ -51,7 +56,8 @@ private:
   glm::ivec3 cell_of(const glm::dvec3 &p) const {
     glm::ivec3 cell;
     for (int axis = 0; axis < 3; axis++) {
-      const double at = (conceg_box_wrap(&box_, axis, p[axis]) - box_.lo[axis]) / conceg_box_side(&box_, axis) * count_[axis];
+      const double at = (conceg_box_wrap(&box_, axis, p[axis]) - box_.lo[axis]) /
+                        conceg_box_side(&box_, axis) * count_[axis];
       cell[axis] = std::clamp(static_cast<int>(at), 0, count_[axis] - 1);
     }
     return cell;
@@ -65,7 +71,9 @@ private:
     for (int step = -1; step <= 1; step++) {
       int at = cell + step;
       if (box_.periodic[axis]) at = (at + count_[axis]) % count_[axis];
-      if (at >= 0 && at < count_[axis] && std::find(out.begin(), out.begin() + many, at) == out.begin() + many) out[many++] = at;
+      if (at >= 0 && at < count_[axis] &&
+          std::find(out.begin(), out.begin() + many, at) == out.begin() + many)
+        out[many++] = at;
     }
     return many;
   }
@@ -78,8 +86,9 @@ private:
 
 } // namespace
 
-std::vector<float> allowed_radii(const conceg_box &box, const std::vector<glm::dvec3> &nodes, const std::vector<Soma> &somas,
-                                 double cap_um, Workers &workers, const Progress &progress) {
+std::vector<float> allowed_radii(const conceg_box &box, const std::vector<glm::dvec3> &nodes,
+                                 const std::vector<Soma> &somas, double cap_um, Workers &workers,
+                                 const Progress &progress) {
   const SomaGrid grid(box, somas, cap_um);
   std::vector<float> radii(nodes.size());
   std::atomic<std::uint64_t> done{0};

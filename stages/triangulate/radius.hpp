@@ -16,9 +16,10 @@ struct Soma {
   double radius; // 0 = the cell has no soma
 };
 
-// Distance from each node to the nearest soma surface over all periodic images (negative inside a soma), to the
-// nearest open side of the box, and at most `cap_um`.
-std::vector<float> allowed_radii(const conceg_box &box, const std::vector<glm::dvec3> &nodes, const std::vector<Soma> &somas,
-                                 double cap_um, Workers &workers, const Progress &progress);
+// Distance from each node to the nearest soma surface over all periodic images (negative inside a soma), to
+// the nearest open side of the box, and at most `cap_um`.
+std::vector<float> allowed_radii(const conceg_box &box, const std::vector<glm::dvec3> &nodes,
+                                 const std::vector<Soma> &somas, double cap_um, Workers &workers,
+                                 const Progress &progress);
 
 } // namespace conceg::triangulate

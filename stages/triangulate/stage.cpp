@@ -17,7 +17,8 @@ namespace {
 using namespace conceg;
 using namespace conceg::triangulate;
 
-// First halo in units of density^(-1/3): twice the largest empty sphere seen in 2 million nodes, and a tenth more.
+// First halo in units of density^(-1/3): twice the largest empty sphere seen in 2 million nodes, and a tenth
+// more.
 constexpr double kHaloBcc = 2.2, kHaloUniform = 3.8;
 
 constexpr double kFarthest = 1e7; // um
@@ -26,7 +27,9 @@ conceg_box lattice_box(conceg_doc *doc) {
   const conceg_box box = read_box(doc);
   for (int axis = 0; axis < 3; axis++)
     if (conceg_snap(box.lo[axis]) != box.lo[axis] || conceg_snap(box.hi[axis]) != box.hi[axis])
-      fail(CONCEG_E_RANGE, "/domain: expected corners on the lattice of 2^-16 um, got %.9g and %.9g on axis %d; place rounds them",
+      fail(CONCEG_E_RANGE,
+           "/domain: expected corners on the lattice of 2^-16 um, got %.9g and %.9g on axis %d; place rounds "
+           "them",
            box.lo[axis], box.hi[axis], axis);
   return box;
 }
@@ -35,26 +38,30 @@ std::vector<Soma> read_somas(conceg_doc *doc) {
   const View<double> center = view<double>(doc, "/cells/soma", 3);
   const View<float> radius = view<float>(doc, "/cells/radius");
   if (center.rows() != radius.rows())
-    fail(CONCEG_E_FORMAT, "/cells/radius: expected %zu rows as in /cells/soma, got %zu", center.rows(), radius.rows());
+    fail(CONCEG_E_FORMAT, "/cells/radius: expected %zu rows as in /cells/soma, got %zu", center.rows(),
+         radius.rows());
   std::vector<Soma> somas(center.rows());
   for (std::size_t i = 0; i < somas.size(); i++) {
     somas[i] = {{center.row(i)[0], center.row(i)[1], center.row(i)[2]}, static_cast<double>(radius[i])};
     for (int axis = 0; axis < 3; axis++)
       if (!(std::fabs(somas[i].center[axis]) < kFarthest))
-        fail(CONCEG_E_RANGE, "/cells/soma[%zu]: expected coordinates within %g um, got %g", i, kFarthest, somas[i].center[axis]);
+        fail(CONCEG_E_RANGE, "/cells/soma[%zu]: expected coordinates within %g um, got %g", i, kFarthest,
+             somas[i].center[axis]);
     if (!(somas[i].radius >= 0.0 && somas[i].radius < kFarthest))
       fail(CONCEG_E_RANGE, "/cells/radius[%zu]: expected 0 um or more, got %g", i, somas[i].radius);
   }
   return somas;
 }
 
-// Largest radius that any bar asks for, um: r(pl) = max(radius + taper (pl - (start + end) / 2), radius_floor).
+// Largest radius that any bar asks for, um: r(pl) = max(radius + taper (pl - (start + end) / 2),
+// radius_floor).
 double largest_target(conceg_doc *doc) {
   const View<double> radius = view<double>(doc, "/bars/radius");
   const auto column = [&](const char *path) {
     const View<double> values = view<double>(doc, path);
     if (values.rows() != radius.rows())
-      fail(CONCEG_E_FORMAT, "%s: expected %zu rows as in /bars/radius, got %zu", path, radius.rows(), values.rows());
+      fail(CONCEG_E_FORMAT, "%s: expected %zu rows as in /bars/radius, got %zu", path, radius.rows(),
+           values.rows());
     return values;
   };
   const View<double> start = column("/bars/asked_start"), end = column("/bars/asked_end");
@@ -65,7 +72,8 @@ double largest_target(conceg_doc *doc) {
   return std::min(largest, kFarthest);
 }
 
-template <class T> T *new_array(conceg_doc *doc, const char *path, std::uint64_t rows, std::uint64_t columns = 1) {
+template <class T>
+T *new_array(conceg_doc *doc, const char *path, std::uint64_t rows, std::uint64_t columns = 1) {
   const std::uint64_t shape[2] = {rows, columns};
   void *storage = nullptr;
   must(conceg_doc_new_array(doc, path, dtype_of<T>::value, columns == 1 ? 1 : 2, shape, &storage));
@@ -80,7 +88,8 @@ void triangulate_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params 
   Workers workers(conceg_ctx_threads(ctx));
 
   NodeOptions node_options;
-  node_options.set = std::strcmp(conceg_params_text(params, "nodes"), "uniform") ? NodeSet::bcc : NodeSet::uniform;
+  node_options.set =
+      std::strcmp(conceg_params_text(params, "nodes"), "uniform") ? NodeSet::bcc : NodeSet::uniform;
   node_options.density_per_um3 = conceg_params_f64(params, "density_per_um3");
   node_options.jitter = conceg_params_f64(params, "jitter");
   node_options.mirrored_faces = std::strcmp(conceg_params_text(params, "faces"), "mirrored") == 0;
@@ -98,7 +107,8 @@ void triangulate_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params 
   options.mirrored_faces = node_options.mirrored_faces;
   Edges edges = delaunay_edges(box, nodes, options, workers, progress);
   workers.count(ctx, "triangulate.tiles");
-  conceg_ctx_log(ctx, CONCEG_LOG_INFO, "triangulate: %zu nodes, %llu directed edges, %zu tiles, %llu redone with a wider halo",
+  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                 "triangulate: %zu nodes, %llu directed edges, %zu tiles, %llu redone with a wider halo",
                  nodes.size(), static_cast<unsigned long long>(edges.count), edges.tiles.size(),
                  static_cast<unsigned long long>(edges.widened));
   const std::uint64_t count = edges.count;
@@ -113,17 +123,19 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
 }
 
 const conceg_param kParams[] = {
-    {"nodes", "", "node set: body-centred cubic with a random shift, or independent uniform nodes as in the paper", "bcc",
+    {"nodes", "",
+     "node set: body-centred cubic with a random shift, or independent uniform nodes as in the paper", "bcc",
      "bcc|uniform", CONCEG_PARAM_CHOICE, 0, 0, 0},
     {"density_per_um3", "um^-3", "nodes per um3", "2", nullptr, CONCEG_PARAM_F64, 0, 1e-4, 1e3},
-    {"jitter", "1", "bcc: largest random shift along each axis, in sides of the cubic cell of two nodes", "0.2", nullptr,
-     CONCEG_PARAM_F64, 0, 0, 0.24},
-    {"faces", "", "periodic sides: seamless, or the paper's nodes on the faces, mirrored on opposing sides", "seamless",
-     "seamless|mirrored", CONCEG_PARAM_CHOICE, 0, 0, 0},
-    {"radius_margin_um", "um", "what the cap on the largest allowed radius exceeds the largest target radius by", "0.1", nullptr,
+    {"jitter", "1", "bcc: largest random shift along each axis, in sides of the cubic cell of two nodes",
+     "0.2", nullptr, CONCEG_PARAM_F64, 0, 0, 0.24},
+    {"faces", "", "periodic sides: seamless, or the paper's nodes on the faces, mirrored on opposing sides",
+     "seamless", "seamless|mirrored", CONCEG_PARAM_CHOICE, 0, 0, 0},
+    {"radius_margin_um", "um",
+     "what the cap on the largest allowed radius exceeds the largest target radius by", "0.1", nullptr,
      CONCEG_PARAM_F64, 0, 0, 10},
-    {"tile_um", "um", "largest side of a tile; decides memory and speed, not the result", "50", nullptr, CONCEG_PARAM_F64, 0, 4,
-     1000},
+    {"tile_um", "um", "largest side of a tile; decides memory and speed, not the result", "50", nullptr,
+     CONCEG_PARAM_F64, 0, 4, 1000},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0},
 };
 const char *const kReads[] = {"domain", "cells", "bars", nullptr};

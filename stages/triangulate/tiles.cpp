@@ -9,7 +9,8 @@
 namespace conceg::triangulate {
 namespace {
 
-// Where bucket `index` of the endless row of copies comes from: the bucket, how many sides away, and whether reflected.
+// Where bucket `index` of the endless row of copies comes from: the bucket, how many sides away, and whether
+// reflected.
 struct Origin {
   std::int64_t bucket, sides;
   bool reflected;
@@ -49,11 +50,14 @@ Buckets::Buckets(const conceg_box &box, const std::vector<glm::dvec3> &nodes, do
     return index;
   };
   offset_.assign(total + 1, 0);
-  for (const glm::dvec3 &p : nodes) offset_[bucket_of(p) + 1]++;
-  for (std::size_t i = 0; i < total; i++) offset_[i + 1] += offset_[i];
+  for (const glm::dvec3 &p : nodes)
+    offset_[bucket_of(p) + 1]++;
+  for (std::size_t i = 0; i < total; i++)
+    offset_[i + 1] += offset_[i];
   std::vector<std::uint64_t> next(offset_.begin(), offset_.end() - 1);
   node_.resize(nodes.size());
-  for (std::size_t i = 0; i < nodes.size(); i++) node_[next[bucket_of(nodes[i])]++] = static_cast<std::uint32_t>(i);
+  for (std::size_t i = 0; i < nodes.size(); i++)
+    node_[next[bucket_of(nodes[i])]++] = static_cast<std::uint32_t>(i);
 }
 
 double Buckets::edge(int axis, std::int64_t bucket) const {
@@ -120,7 +124,8 @@ struct Gather {
     }
     for (const Origin &x : origins[0])
       for (const Origin &y : origins[1])
-        for (const Origin &z : origins[2]) bucket({x, y, z});
+        for (const Origin &z : origins[2])
+          bucket({x, y, z});
   }
 
   void bucket(const std::array<Origin, 3> &origin) {
@@ -129,8 +134,8 @@ struct Gather {
     for (int axis = 0; axis < 3; axis++) {
       const Origin &o = origin[axis];
       if (o.sides < -127 || o.sides > 127)
-        fail(CONCEG_E_RANGE, "/domain: expected a side of more than 1/100 of the halo on axis %d, got %g um", axis,
-             conceg_box_side(&buckets.box_, axis));
+        fail(CONCEG_E_RANGE, "/domain: expected a side of more than 1/100 of the halo on axis %d, got %g um",
+             axis, conceg_box_side(&buckets.box_, axis));
       ghost = ghost || (!buckets.box_.periodic[axis] && o.sides != 0);
       core_bucket = core_bucket && o.sides == 0 && o.bucket >= tile.first[axis] && o.bucket < tile.last[axis];
       index = index * static_cast<std::uint64_t>(buckets.count_[axis]) + static_cast<std::uint64_t>(o.bucket);
@@ -143,11 +148,14 @@ struct Gather {
         const double x = buckets.nodes_[node][axis];
         copy.position[axis] = copied(buckets.box_, axis, x, origin[axis]);
         copy.shift[axis] = static_cast<std::int8_t>(origin[axis].sides);
-        in_region = in_region && copy.position[axis] >= region.lo[axis] && copy.position[axis] <= region.hi[axis];
+        in_region =
+            in_region && copy.position[axis] >= region.lo[axis] && copy.position[axis] <= region.hi[axis];
         on_mirror = on_mirror || (origin[axis].reflected && copy.position[axis] == x); // its own reflection
       }
-      if (core_bucket) core.push_back(copy);
-      else if (in_region && !on_mirror) halo.push_back(copy);
+      if (core_bucket)
+        core.push_back(copy);
+      else if (in_region && !on_mirror)
+        halo.push_back(copy);
     }
   }
 };
@@ -155,7 +163,8 @@ struct Gather {
 std::vector<Copy> gather_copies(const Buckets &buckets, const Tile &tile, double halo_um) {
   Gather gather{buckets, tile, region_of(buckets, tile, halo_um), {}, {}};
   gather.run();
-  std::sort(gather.core.begin(), gather.core.end(), [](const Copy &a, const Copy &b) { return a.node < b.node; });
+  std::sort(gather.core.begin(), gather.core.end(),
+            [](const Copy &a, const Copy &b) { return a.node < b.node; });
   std::vector<Copy> copies = std::move(gather.core);
   copies.insert(copies.end(), gather.halo.begin(), gather.halo.end());
   return copies;

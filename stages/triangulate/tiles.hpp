@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Cutting the box into tiles, and gathering every copy of a node (periodic image, or reflection at an open side) that
-// lies in a tile or in the halo around it. Lengths in um.
+// Cutting the box into tiles, and gathering every copy of a node (periodic image, or reflection at an open
+// side) that lies in a tile or in the halo around it. Lengths in um.
 #pragma once
 
 #include "conceg/geom.h"
@@ -13,7 +13,8 @@
 
 namespace conceg::triangulate {
 
-constexpr std::uint32_t kGhost = 0xffffffffu; // node of a copy that pads an open side and takes no part in the network
+constexpr std::uint32_t kGhost =
+    0xffffffffu; // node of a copy that pads an open side and takes no part in the network
 
 // A copy of a node: position = node position + shift * side. `core` copies are the tile's own nodes.
 struct Copy {
@@ -60,8 +61,8 @@ Region region_of(const Buckets &buckets, const Tile &tile, double halo_um);
 // All copies in the tile and its halo; core copies first, in ascending order of their node.
 std::vector<Copy> gather_copies(const Buckets &buckets, const Tile &tile, double halo_um);
 
-// The paper's network: every node once, in order, then a node on the lower face of a periodic axis once more on each
-// upper face that it meets. All are core copies.
+// The paper's network: every node once, in order, then a node on the lower face of a periodic axis once more
+// on each upper face that it meets. All are core copies.
 std::vector<Copy> gather_mirrored(const conceg_box &box, const std::vector<glm::dvec3> &nodes);
 
 } // namespace conceg::triangulate

@@ -58,6 +58,9 @@ expect_true "no output after an error" test ! -e a.cgx
 expect 0 "" "$conceg" place -p toy.yaml -o a.cgx
 expect 0 "" "$conceg" validate a.cgx
 expect_output "valid: [0-9]+ arrays and attributes checked"
+expect_true "validate -q says nothing of a valid document" sh -c "test -z \"\$('$conceg' validate -q a.cgx)\""
+expect 0 "" "$conceg" dump /cells a.cgx --rows 1
+expect_output "^/cells/id u64"
 expect 0 "" sh -c "'$conceg' place -p toy.yaml --threads 2 > b.cgx"
 expect_same a.cgx b.cgx
 expect 0 "" "$conceg" run toy.yaml --until place -o c.cgx

@@ -178,7 +178,7 @@ static void refuse_value(conceg_ctx *ctx, const char *set, const char *line) {
 }
 
 static void check_values(conceg_ctx *ctx) {
-  static const char *const sets[] = {"grow.lambda=3", "grow.smooth=true", "grow.file='/tmp/x'",
+  static const char *const sets[] = {"grow.lambda=3", "grow.smooth=true", "grow.file='some/x.csv'",
                                      "grow.label='007'", NULL};
   static const char *const arguments[] = {"a.swc", "b.swc", NULL};
   conceg_recipe *recipe;
@@ -191,7 +191,7 @@ static void check_values(conceg_ctx *ctx) {
   CHECK_EQUAL(conceg_params_bool(params, "smooth"), 1);
   CHECK_TEXT(conceg_params_text(params, "mode"), "first");
   CHECK_TEXT(conceg_params_text(params, "label"), "007");
-  CHECK_TEXT(conceg_params_text(params, "file"), "/tmp/x");
+  CHECK_TEXT(conceg_params_text(params, "file"), "some/x.csv");
   CHECK_EQUAL(conceg_params_given(params, "lambda"), 1);
   CHECK_EQUAL(conceg_params_given(params, "mode"), 0);
   CHECK_TEXT(conceg_params_argument(params, 1), "b.swc");

@@ -15,7 +15,8 @@ CONCEG_API conceg_status conceg_query_new(conceg_ctx *ctx, const conceg_substrat
 CONCEG_API void conceg_query_free(conceg_query *query);
 
 /* For each of `count` points (um, any image): the cell index, or -1 in the extracellular space, and the compartment code
- * of the nearest face on the ray that decided (0 = ECS); either output may be NULL. Any thread. */
+ * of the nearest face on the ray that decided (0 = ECS); either output may be NULL. Any thread.
+ * E_RANGE for a point that is not finite or further away than 1e9 box sides (1e12 um on an open axis). */
 CONCEG_API conceg_status conceg_query_locate(const conceg_query *query, uint64_t count, const double *point,
                                              int64_t *cell, uint8_t *compartment) CONCEG_NODISCARD;
 
@@ -28,7 +29,8 @@ typedef struct conceg_hit {
   uint8_t reserved[7];
 } conceg_hit;
 
-/* First face hit by each ray from `origin` along the unit vector `direction` within `length` um, over all periodic images. */
+/* First face hit by each ray from `origin` along the unit vector `direction` within `length` um, over all periodic images.
+ * Any thread. E_RANGE as for locate, for a direction that is no unit vector (1e-6), and for a length that is negative or not finite. */
 CONCEG_API conceg_status conceg_query_intersect(const conceg_query *query, uint64_t count, const double *origin,
                                                 const double *direction, const double *length,
                                                 conceg_hit *out) CONCEG_NODISCARD;

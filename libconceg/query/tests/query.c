@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * locate and intersect on icospheres in a periodic box, against the analytic answer and against a brute force over all
- * triangles and images. */
-#include "conceg/conceg.h"
+ * locate and intersect on icospheres in a periodic box, against the analytic answer and against a brute force
+ * over all triangles and images. */
 #include "conceg/query.h"
+#include "conceg/conceg.h"
 
 #include "check.h"
 
@@ -28,9 +28,11 @@ static uint32_t midpoint(double (*vertex)[3], uint32_t *count, uint32_t a, uint3
   double m[3], length;
   uint32_t i;
   int axis;
-  for (axis = 0; axis < 3; axis++) m[axis] = vertex[a][axis] + vertex[b][axis];
+  for (axis = 0; axis < 3; axis++)
+    m[axis] = vertex[a][axis] + vertex[b][axis];
   length = sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
-  for (axis = 0; axis < 3; axis++) m[axis] /= length;
+  for (axis = 0; axis < 3; axis++)
+    m[axis] /= length;
   for (i = 0; i < *count; i++)
     if (fabs(vertex[i][0] - m[0]) + fabs(vertex[i][1] - m[1]) + fabs(vertex[i][2] - m[2]) < 1e-9) return i;
   memcpy(vertex[*count], m, sizeof m);
@@ -38,9 +40,10 @@ static uint32_t midpoint(double (*vertex)[3], uint32_t *count, uint32_t a, uint3
 }
 
 static void icosphere(double (*vertex)[3], uint32_t (*face)[3]) {
-  static const int start[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                                   {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-                                   {3, 8, 9},  {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
+  static const int start[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                   {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                   {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                   {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
   const double golden = 0.5 * (1.0 + sqrt(5.0)), scale = 1.0 / sqrt(1.0 + golden * golden);
   static uint32_t next[FACES][3];
   uint32_t faces = 20, count = 12, i, level;
@@ -50,11 +53,14 @@ static void icosphere(double (*vertex)[3], uint32_t (*face)[3]) {
     vertex[i][axis] = (i % 2 ? 1.0 : -1.0) * scale;
     vertex[i][(axis + 1) % 3] = (i % 4 < 2 ? golden : -golden) * scale;
   }
-  for (i = 0; i < 20; i++) face[i][0] = (uint32_t)start[i][0], face[i][1] = (uint32_t)start[i][1], face[i][2] = (uint32_t)start[i][2];
+  for (i = 0; i < 20; i++)
+    face[i][0] = (uint32_t)start[i][0], face[i][1] = (uint32_t)start[i][1],
+    face[i][2] = (uint32_t)start[i][2];
   for (level = 0; level < LEVEL; level++) {
     for (i = 0; i < faces; i++) {
       const uint32_t a = face[i][0], b = face[i][1], c = face[i][2];
-      const uint32_t ab = midpoint(vertex, &count, a, b), bc = midpoint(vertex, &count, b, c), ca = midpoint(vertex, &count, c, a);
+      const uint32_t ab = midpoint(vertex, &count, a, b), bc = midpoint(vertex, &count, b, c),
+                     ca = midpoint(vertex, &count, c, a);
       const uint32_t child[4][3] = {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}};
       memcpy(next[4 * i], child, sizeof child);
     }
@@ -66,7 +72,8 @@ static void icosphere(double (*vertex)[3], uint32_t (*face)[3]) {
 static double vertices[SPHERES * VERTICES][3];
 static uint32_t faces[SPHERES * FACES][3];
 
-static void put(conceg_doc *doc, const char *path, conceg_dtype dtype, uint64_t rows, uint64_t columns, const void *data) {
+static void put(conceg_doc *doc, const char *path, conceg_dtype dtype, uint64_t rows, uint64_t columns,
+                const void *data) {
   conceg_array array = {0};
   array.size = sizeof array;
   array.dtype = dtype, array.rank = columns == 1 ? 1 : 2;
@@ -75,7 +82,8 @@ static void put(conceg_doc *doc, const char *path, conceg_dtype dtype, uint64_t 
 }
 
 static void put_tissue(conceg_doc *doc, int meshes, int periodic) {
-  const double lo[3] = {0, 0, 0}, hi[3] = {box_side, box_side, box_side}, pia[3] = {0, 0, 1}, zero[SPHERES][3] = {{0}};
+  const double lo[3] = {0, 0, 0}, hi[3] = {box_side, box_side, box_side}, pia[3] = {0, 0, 1},
+               zero[SPHERES][3] = {{0}};
   const uint8_t wraps[3] = {(uint8_t)periodic, (uint8_t)periodic, (uint8_t)periodic};
   const char *const name[1] = {"ball"}, *const class[1] = {"other"};
   const uint64_t id[SPHERES] = {5, 6, 7};
@@ -99,8 +107,10 @@ static void put_tissue(conceg_doc *doc, int meshes, int periodic) {
   put(doc, "/cells/soma", CONCEG_F64, SPHERES, 3, centre);
   put(doc, "/cells/radius", CONCEG_F32, SPHERES, 1, soma_radius);
   if (!meshes) return;
-  for (s = 0; s <= SPHERES; s++) vertex_offset[s] = (uint64_t)s * VERTICES, face_offset[s] = (uint64_t)s * FACES;
-  for (i = 0; i < SPHERES * FACES; i++) compartment[i] = i % 2 ? CONCEG_SOMA : CONCEG_AXON;
+  for (s = 0; s <= SPHERES; s++)
+    vertex_offset[s] = (uint64_t)s * VERTICES, face_offset[s] = (uint64_t)s * FACES;
+  for (i = 0; i < SPHERES * FACES; i++)
+    compartment[i] = i % 2 ? CONCEG_SOMA : CONCEG_AXON;
   put(doc, "/meshes/cell", CONCEG_U32, SPHERES, 1, cell);
   put(doc, "/meshes/origin", CONCEG_F64, SPHERES, 3, zero);
   put(doc, "/meshes/vertex_offset", CONCEG_U64, SPHERES + 1, 1, vertex_offset);
@@ -136,7 +146,8 @@ static double distance_to(int s, const double p[3], int periodic) {
 static void random_points(double (*point)[3], int count, double spread, unsigned long long seed) {
   int i, axis;
   for (i = 0; i < count; i++)
-    for (axis = 0; axis < 3; axis++) point[i][axis] = (uniform(&seed) - 0.5) * spread + 0.5 * box_side;
+    for (axis = 0; axis < 3; axis++)
+      point[i][axis] = (uniform(&seed) - 0.5) * spread + 0.5 * box_side;
 }
 
 static double points[POINTS][3];
@@ -164,15 +175,18 @@ static void check_locate(const conceg_query *query, int periodic, double spread)
   CHECK(inside > 5);
 }
 
-static double plane_distance(const double o[3], const double d[3], const double *a, const double *b, const double *c) {
+static double plane_distance(const double o[3], const double d[3], const double *a, const double *b,
+                             const double *c) {
   double e[3], f[3], n[3], w[3], q[3], area2, u, v, t;
   int k;
-  for (k = 0; k < 3; k++) e[k] = b[k] - a[k], f[k] = c[k] - a[k];
+  for (k = 0; k < 3; k++)
+    e[k] = b[k] - a[k], f[k] = c[k] - a[k];
   n[0] = e[1] * f[2] - e[2] * f[1], n[1] = e[2] * f[0] - e[0] * f[2], n[2] = e[0] * f[1] - e[1] * f[0];
   t = n[0] * d[0] + n[1] * d[1] + n[2] * d[2];
   if (t == 0.0) return INFINITY;
   t = (n[0] * (a[0] - o[0]) + n[1] * (a[1] - o[1]) + n[2] * (a[2] - o[2])) / t;
-  for (k = 0; k < 3; k++) w[k] = o[k] + t * d[k] - a[k];
+  for (k = 0; k < 3; k++)
+    w[k] = o[k] + t * d[k] - a[k];
   q[0] = w[1] * f[2] - w[2] * f[1], q[1] = w[2] * f[0] - w[0] * f[2], q[2] = w[0] * f[1] - w[1] * f[0];
   area2 = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
   u = (q[0] * n[0] + q[1] * n[1] + q[2] * n[2]) / area2;
@@ -194,11 +208,13 @@ static double brute(const double o[3], const double d[3], int periodic, uint64_t
         for (s = 0; s < SPHERES; s++) {
           double w[3], along = 0.0, off = 0.0;
           int k;
-          for (k = 0; k < 3; k++) w[k] = centre[s][k] - shifted[k], along += w[k] * d[k];
-          for (k = 0; k < 3; k++) off += (w[k] - along * d[k]) * (w[k] - along * d[k]);
+          for (k = 0; k < 3; k++)
+            w[k] = centre[s][k] - shifted[k], along += w[k] * d[k];
+          for (k = 0; k < 3; k++)
+            off += (w[k] - along * d[k]) * (w[k] - along * d[k]);
           if (off > radius[s] * radius[s]) continue; /* the line misses the ball */
           for (f = s * FACES; f < (s + 1) * FACES; f++) {
-            double (*v)[3] = vertices + s * VERTICES;
+            double(*v)[3] = vertices + s * VERTICES;
             const double t = plane_distance(shifted, d, v[faces[f][0]], v[faces[f][1]], v[faces[f][2]]);
             if (t < nearest) nearest = t, *face = (uint64_t)f;
           }
@@ -217,8 +233,10 @@ static void check_intersect(const conceg_query *query, int periodic) {
   random_points(points, RAYS, (periodic ? 3.0 : 1.4) * box_side, 31);
   for (i = 0; i < RAYS; i++) {
     double norm = 0.0;
-    for (axis = 0; axis < 3; axis++) direction[i][axis] = uniform(&state) - 0.5, norm += direction[i][axis] * direction[i][axis];
-    for (axis = 0; axis < 3; axis++) direction[i][axis] /= sqrt(norm);
+    for (axis = 0; axis < 3; axis++)
+      direction[i][axis] = uniform(&state) - 0.5, norm += direction[i][axis] * direction[i][axis];
+    for (axis = 0; axis < 3; axis++)
+      direction[i][axis] /= sqrt(norm);
     if (i % 50 == 0) direction[i][0] = direction[i][1] = 0.0, direction[i][2] = i % 100 ? 1.0 : -1.0;
     length[i] = 35.0 * uniform(&state);
   }
@@ -240,7 +258,8 @@ static void check_intersect(const conceg_query *query, int periodic) {
     {
       const double *a = vertices[hit[i].cell * VERTICES + faces[hit[i].face][0]], *c = centre[hit[i].cell];
       double along = 0.0;
-      for (axis = 0; axis < 3; axis++) along += hit[i].normal[axis] * (a[axis] - c[axis]);
+      for (axis = 0; axis < 3; axis++)
+        along += hit[i].normal[axis] * (a[axis] - c[axis]);
       outward = fmin(outward, along);
     }
   }
@@ -259,8 +278,10 @@ static void check_no_gap(const conceg_query *query) {
     double direction[3], norm = 0.0;
     conceg_hit hit;
     int axis;
-    for (axis = 0; axis < 3; axis++) direction[axis] = v[axis] - centre[0][axis], norm += direction[axis] * direction[axis];
-    for (axis = 0; axis < 3; axis++) direction[axis] /= sqrt(norm);
+    for (axis = 0; axis < 3; axis++)
+      direction[axis] = v[axis] - centre[0][axis], norm += direction[axis] * direction[axis];
+    for (axis = 0; axis < 3; axis++)
+      direction[axis] /= sqrt(norm);
     CHECK_EQUAL(conceg_query_intersect(query, 1, centre[0], direction, &length, &hit), CONCEG_OK);
     missed += !(fabs(hit.distance - sqrt(norm)) < 1e-9);
   }
@@ -290,12 +311,15 @@ static void check_threads(const conceg_query *query) {
     work[k].query = query;
     CHECK(pthread_create(&thread[k], NULL, locate_all, &work[k]) == 0);
   }
-  for (k = 0; k < THREADS; k++) pthread_join(thread[k], NULL);
-  for (k = 0; k < THREADS; k++) CHECK(memcmp(work[k].cell, alone.cell, sizeof alone.cell) == 0);
+  for (k = 0; k < THREADS; k++)
+    pthread_join(thread[k], NULL);
+  for (k = 0; k < THREADS; k++)
+    CHECK(memcmp(work[k].cell, alone.cell, sizeof alone.cell) == 0);
 }
 
 static void check_bad_input(const conceg_query *query) {
-  const double nan_point[3] = {1, NAN, 1}, far_point[3] = {1, 1, 1e300}, point[3] = {1, 1, 1}, long_direction[3] = {1, 1, 0}, direction[3] = {1, 0, 0};
+  const double nan_point[3] = {1, NAN, 1}, far_point[3] = {1, 1, 1e300}, point[3] = {1, 1, 1},
+               long_direction[3] = {1, 1, 0}, direction[3] = {1, 0, 0};
   const double length = 1.0, negative = -1.0, endless = INFINITY;
   int64_t cell;
   conceg_hit hit;
@@ -325,7 +349,8 @@ int main(void) {
   icosphere(unit, faces);
   for (s = 0; s < SPHERES; s++) {
     for (i = 0; i < VERTICES; i++)
-      for (axis = 0; axis < 3; axis++) vertices[s * VERTICES + i][axis] = centre[s][axis] + radius[s] * unit[i][axis];
+      for (axis = 0; axis < 3; axis++)
+        vertices[s * VERTICES + i][axis] = centre[s][axis] + radius[s] * unit[i][axis];
     memcpy(faces[s * FACES], faces[0], FACES * sizeof faces[0]);
   }
   for (periodic = 0; periodic < 2; periodic++) {

@@ -10,7 +10,8 @@ static double uniform(unsigned long long *state) {
 }
 
 static void known(void) {
-  const double a[3] = {0, 0, 2}, b[3] = {1, 0, 2}, c[3] = {0, 1, 2}, origin[3] = {0.25, 0.25, 0}, up[3] = {0, 0, 1};
+  const double a[3] = {0, 0, 2}, b[3] = {1, 0, 2}, c[3] = {0, 1, 2}, origin[3] = {0.25, 0.25, 0},
+               up[3] = {0, 0, 1};
   const double outside[3] = {0.75, 0.75, 0};
   double distance = 0, normal[3];
   query_ray ray;
@@ -27,7 +28,8 @@ static void known(void) {
   CHECK(!query_ray_triangle(&ray, a, b, b, &distance));
 }
 
-/* A fan of four triangles over a square: rays aimed at its edges and at its centre meet one of them, whatever the rounding. */
+/* A fan of four triangles over a square: rays aimed at its edges and at its centre meet one of them, whatever
+ * the rounding. */
 static void watertight(void) {
   unsigned long long state = 7;
   int i, missed = 0;
@@ -46,9 +48,11 @@ static void watertight(void) {
       centre[axis] = 0.25 * (corner[0][axis] + corner[1][axis] + corner[2][axis] + corner[3][axis]);
       origin[axis] = 3.0 * uniform(&state) - (axis == 2 ? 3.0 : 1.5);
     }
-    for (axis = 0; axis < 3; axis++) direction[axis] = centre[axis] + 0.5 * s * (corner[edge][axis] - centre[axis]) - origin[axis];
+    for (axis = 0; axis < 3; axis++)
+      direction[axis] = centre[axis] + 0.5 * s * (corner[edge][axis] - centre[axis]) - origin[axis];
     query_ray_set(&ray, origin, direction);
-    for (k = 0; k < 4; k++) met += query_ray_triangle(&ray, centre, corner[k], corner[(k + 1) % 4], &distance);
+    for (k = 0; k < 4; k++)
+      met += query_ray_triangle(&ray, centre, corner[k], corner[(k + 1) % 4], &distance);
     missed += met == 0;
   }
   CHECK_EQUAL(missed, 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A tiny tissue for tests of the stages that only read: three cells in a periodic box of 20 um, each a ball with one forked
-// neurite; the second ball crosses a corner of the box and the first neurite a side.
+// A tiny tissue for tests of the stages that only read: three cells in a periodic box of 20 um, each a ball
+// with one forked neurite; the second ball crosses a corner of the box and the first neurite a side.
 #pragma once
 
 #include "tile.hpp"
@@ -28,12 +28,14 @@ inline Surface icosphere(int level) {
       p[axis] = k % 2 ? 1.0 : -1.0, p[(axis + 1) % 3] = k < 2 ? golden : -golden;
       ball.vertex.push_back(glm::normalize(p));
     }
-  ball.face = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-               {3, 9, 4},  {3, 4, 2}, {3, 2, 6}, {3, 6, 8},  {3, 8, 9},   {4, 9, 5}, {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
+  ball.face = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+               {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+               {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
   for (int pass = 0; pass < level; pass++) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
     const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-      const auto [at, fresh] = middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(ball.vertex.size()));
+      const auto [at, fresh] =
+          middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(ball.vertex.size()));
       if (fresh) ball.vertex.push_back(glm::normalize(ball.vertex[a] + ball.vertex[b]));
       return at->second;
     };
@@ -48,7 +50,8 @@ inline Surface icosphere(int level) {
 }
 
 inline Surface moved(Surface surface, const glm::dvec3 &centre, double radius) {
-  for (glm::dvec3 &p : surface.vertex) p = centre + radius * p;
+  for (glm::dvec3 &p : surface.vertex)
+    p = centre + radius * p;
   return surface;
 }
 
@@ -79,14 +82,19 @@ inline void put_skeleton(conceg_doc *doc) {
   std::vector<std::int64_t> parent;
   for (int cell = 0; cell < 3; cell++) {
     const glm::dvec3 root = centres[cell] + glm::dvec3(radii[cell], 0, 0), fork = root + glm::dvec3(3, 0, 0);
-    const std::vector<glm::dvec3> points = {root, fork, fork + glm::dvec3(1, 1, 0), fork + glm::dvec3(3, 3, 0), fork + glm::dvec3(1, -1, 0),
+    const std::vector<glm::dvec3> points = {root,
+                                            fork,
+                                            fork + glm::dvec3(1, 1, 0),
+                                            fork + glm::dvec3(3, 3, 0),
+                                            fork + glm::dvec3(1, -1, 0),
                                             fork + glm::dvec3(3, -3, 1)};
     position.insert(position.end(), points.begin(), points.end());
     parent.insert(parent.end(), {-1, 0, 1, 2, 1, 4});
   }
   const std::size_t count = position.size();
   std::vector<std::uint32_t> branch, zero(count, 0);
-  for (int cell = 0; cell < 3; cell++) branch.insert(branch.end(), {0, 0, 1, 1, 2, 2});
+  for (int cell = 0; cell < 3; cell++)
+    branch.insert(branch.end(), {0, 0, 1, 1, 2, 2});
   put(doc, "/skeleton/cell_offset", std::vector<std::uint64_t>{0, 6, 12, 18});
   put3(doc, "/skeleton/position", position);
   put(doc, "/skeleton/radius", std::vector<float>(count, 0.5f));
@@ -107,11 +115,13 @@ inline void put_meshes(conceg_doc *doc, int level = 3) {
   for (int cell = 0; cell < 3; cell++) {
     const Surface own = moved(ball, centres[cell], radii[cell]);
     vertex.insert(vertex.end(), own.vertex.begin(), own.vertex.end());
-    for (const glm::uvec3 &f : own.face) face.insert(face.end(), {f.x, f.y, f.z});
+    for (const glm::uvec3 &f : own.face)
+      face.insert(face.end(), {f.x, f.y, f.z});
     vertex_offset.push_back(vertex.size()), face_offset.push_back(face.size() / 3);
   }
   std::vector<std::uint32_t> section(face.size() / 3);
-  for (std::size_t i = 0; i < section.size(); i++) section[i] = static_cast<std::uint32_t>(i % 5);
+  for (std::size_t i = 0; i < section.size(); i++)
+    section[i] = static_cast<std::uint32_t>(i % 5);
   put(doc, "/meshes/cell", std::vector<std::uint32_t>{0, 1, 2});
   put3(doc, "/meshes/origin", std::vector<glm::dvec3>(centres, centres + 3));
   put(doc, "/meshes/vertex_offset", vertex_offset);

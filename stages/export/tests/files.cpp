@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The file writers on plain data: splitting at the box, PLY, VTK read back by VTK, and files that appear whole or not at all.
+// The file writers on plain data: splitting at the box, PLY, VTK read back by VTK, and files that appear
+// whole or not at all.
 #include "folder.hpp"
 #include "ply.hpp"
 #include "tests/tissue.hpp"
@@ -41,7 +42,8 @@ static std::string contents(const std::string &path) {
 
 static conceg_box cube() {
   conceg_box box = {};
-  for (int axis = 0; axis < 3; axis++) box.hi[axis] = testing::box_side, box.periodic[axis] = 1;
+  for (int axis = 0; axis < 3; axis++)
+    box.hi[axis] = testing::box_side, box.periodic[axis] = 1;
   return box;
 }
 
@@ -66,7 +68,8 @@ static void splitting() {
   double length = 0.0;
   int roots = 0;
   for (std::size_t i = 0; i < tree.size(); i++) {
-    for (int axis = 0; axis < 3; axis++) CHECK(tree.position[i][axis] >= 0.0 && tree.position[i][axis] <= 20.0);
+    for (int axis = 0; axis < 3; axis++)
+      CHECK(tree.position[i][axis] >= 0.0 && tree.position[i][axis] <= 20.0);
     roots += tree.parent[i] < 0;
     if (tree.parent[i] < 0) continue;
     CHECK(tree.parent[i] < static_cast<std::int64_t>(i));
@@ -95,7 +98,8 @@ static void runs_of_a_fork() {
   CHECK_EQUAL(lists[2][1], 3);
 }
 
-// Every point of the ball's images in the box is covered: the images of its triangles in the box have the area of the ball.
+// Every point of the ball's images in the box is covered: the images of its triangles in the box have the
+// area of the ball.
 static void tiling() {
   const Surface ball = testing::moved(testing::icosphere(3), testing::centres[1], 3.0);
   const TiledSurface tiled = tile(cube(), ball);
@@ -105,10 +109,12 @@ static void tiling() {
   std::vector<int> seen(ball.face.size(), 0);
   for (std::size_t i = 0; i < tiled.face.size(); i++) {
     seen[tiled.source_face[i]]++;
-    const glm::dvec3 step = (tiled.vertex[tiled.face[i].x] - ball.vertex[ball.face[tiled.source_face[i]].x]) / testing::box_side;
+    const glm::dvec3 step =
+        (tiled.vertex[tiled.face[i].x] - ball.vertex[ball.face[tiled.source_face[i]].x]) / testing::box_side;
     CHECK(step == glm::round(step));
   }
-  for (const int count : seen) CHECK(count >= 1);
+  for (const int count : seen)
+    CHECK(count >= 1);
   Surface far;
   far.vertex = {{1e30, 0, 0}, {0, 1, 0}, {0, 0, 1}}, far.face = {{0, 1, 2}};
   bool refused = false;
@@ -121,7 +127,8 @@ static void tiling() {
 }
 
 static void ply() {
-  const Surface ball = testing::moved(testing::icosphere(2), {1.0 / 3.0, 2, 3}, 2.0), other = testing::moved(testing::icosphere(1), {9, 9, 9}, 1.0);
+  const Surface ball = testing::moved(testing::icosphere(2), {1.0 / 3.0, 2, 3}, 2.0),
+                other = testing::moved(testing::icosphere(1), {9, 9, 9}, 1.0);
   const std::string text_path = folder + "/ball.ply", binary_path = folder + "/two.ply";
   {
     OutputFile file(text_path);
@@ -197,9 +204,11 @@ static void vtk_skeletons() {
 static void vtk_surfaces() {
   const Surface ball = testing::moved(testing::icosphere(2), {1.0 / 3.0, 2, 3}, 2.0);
   std::vector<std::uint32_t> section(ball.face.size());
-  for (std::size_t i = 0; i < section.size(); i++) section[i] = static_cast<std::uint32_t>(i);
+  for (std::size_t i = 0; i < section.size(); i++)
+    section[i] = static_cast<std::uint32_t>(i);
   make_folder(folder + "/surfaces");
-  write_surface_vtp(folder + "/surfaces/a.vtp", {&ball, std::vector<std::uint8_t>(ball.face.size(), 3), {}, section, 4, 1});
+  write_surface_vtp(folder + "/surfaces/a.vtp",
+                    {&ball, std::vector<std::uint8_t>(ball.face.size(), 3), {}, section, 4, 1});
   write_surface_vtp(folder + "/surfaces/b.vtp", {&ball, {}, {}, {}, 5, 1});
   write_blocks_vtm(folder + "/surfaces.vtm", {{"surfaces/a.vtp", "first"}, {"surfaces/b.vtp", "a < b & c"}});
   vtkNew<vtkXMLMultiBlockDataReader> reader;
@@ -223,7 +232,8 @@ static void vtk_surfaces() {
 static void vtk_volume() {
   Volume volume;
   volume.origin = {0.5, 0, 0}, volume.spacing = {1, 2, 3}, volume.shape = {4, 3, 2};
-  for (std::uint32_t i = 0; i < 24; i++) volume.label.push_back(i), volume.distance.push_back(0.5f * static_cast<float>(i));
+  for (std::uint32_t i = 0; i < 24; i++)
+    volume.label.push_back(i), volume.distance.push_back(0.5f * static_cast<float>(i));
   write_volume_vti(folder + "/volume.vti", volume);
   vtkNew<vtkXMLImageDataReader> reader;
   reader->SetFileName((folder + "/volume.vti").c_str());
@@ -278,11 +288,13 @@ static void names_and_failures() {
     out.write("half");
   }
   CHECK(!std::filesystem::exists(folder + "/given_up"));
-  for (const auto &entry : std::filesystem::directory_iterator(folder)) CHECK(entry.path().string().find(".part") == std::string::npos);
+  for (const auto &entry : std::filesystem::directory_iterator(folder))
+    CHECK(entry.path().string().find(".part") == std::string::npos);
 }
 
 int main() {
-  folder = (std::filesystem::temp_directory_path() / ("conceg_export_files_" + std::to_string(getpid()))).string();
+  folder =
+      (std::filesystem::temp_directory_path() / ("conceg_export_files_" + std::to_string(getpid()))).string();
   make_folder(folder);
   splitting();
   runs_of_a_fork();

@@ -31,7 +31,8 @@ static std::string contents(const std::string &path) {
 }
 
 // Runs export with "key=value" settings on a fresh document that holds what was asked for.
-static conceg_status run(bool skeleton, bool meshes, const std::vector<std::string> &settings, std::string *error = nullptr) {
+static conceg_status run(bool skeleton, bool meshes, const std::vector<std::string> &settings,
+                         std::string *error = nullptr) {
   conceg_ctx *ctx = conceg_ctx_new();
   conceg_doc *doc = nullptr;
   conceg_params *params = nullptr;
@@ -41,27 +42,35 @@ static conceg_status run(bool skeleton, bool meshes, const std::vector<std::stri
   if (skeleton) testing::put_skeleton(doc);
   if (meshes) testing::put_meshes(doc, 2);
   std::vector<std::string> sets;
-  for (const std::string &setting : settings) sets.push_back("export." + setting);
+  for (const std::string &setting : settings)
+    sets.push_back("export." + setting);
   std::vector<const char *> pointers;
-  for (const std::string &set : sets) pointers.push_back(set.c_str());
+  for (const std::string &set : sets)
+    pointers.push_back(set.c_str());
   pointers.push_back(nullptr);
-  conceg_status status = conceg_params_new(ctx, &conceg_stage_export, doc, nullptr, pointers.data(), nullptr, &params);
+  conceg_status status =
+      conceg_params_new(ctx, &conceg_stage_export, doc, nullptr, pointers.data(), nullptr, &params);
   if (status == CONCEG_OK) status = conceg_stage_run(ctx, &conceg_stage_export, doc, params);
-  if (error) *error = conceg_ctx_error(ctx);
-  else if (status != CONCEG_OK) std::fprintf(stderr, "%s\n", conceg_ctx_error(ctx));
+  if (error)
+    *error = conceg_ctx_error(ctx);
+  else if (status != CONCEG_OK)
+    std::fprintf(stderr, "%s\n", conceg_ctx_error(ctx));
   conceg_params_free(params);
   CHECK_EQUAL(conceg_doc_close(doc), CONCEG_OK);
   conceg_ctx_free(ctx);
   return status;
 }
 
-static std::string dir_of(const char *name) { return folder + "/" + name; }
+static std::string dir_of(const char *name) {
+  return folder + "/" + name;
+}
 
 static void everything() {
   const std::string dir = dir_of("all/deep");
   CHECK_EQUAL(run(true, true, {"dir=" + dir}), CONCEG_OK);
-  for (const char *file : {"index.csv", "swc/cell_0000_L23_pyramidal.swc", "swc/cell_0002_astrocyte.swc", "ply/cell_0001_L4_interneuron.ply",
-                           "ply/all_cells.ply", "vtk/skeletons.vtp", "vtk/surfaces.vtm", "vtk/surfaces/cell_0002_astrocyte.vtp"})
+  for (const char *file : {"index.csv", "swc/cell_0000_L23_pyramidal.swc", "swc/cell_0002_astrocyte.swc",
+                           "ply/cell_0001_L4_interneuron.ply", "ply/all_cells.ply", "vtk/skeletons.vtp",
+                           "vtk/surfaces.vtm", "vtk/surfaces/cell_0002_astrocyte.vtp"})
     CHECK(fs::exists(dir + "/" + file));
   std::istringstream index(contents(dir + "/index.csv"));
   std::string line;
@@ -92,7 +101,8 @@ static void read_swc(const std::string &path, bool wrapped) {
   CHECK_NEAR(centre[0], 14.0, 1e-6);
   CHECK_NEAR(radius, 2.0, 1e-6);
   const char *header = conceg_swc_header(swc, "@conceg");
-  CHECK(header && std::strstr(header, "\"id\":30") && std::strstr(header, wrapped ? "\"wrapped\":true" : "\"wrapped\":false"));
+  CHECK(header && std::strstr(header, "\"id\":30") &&
+        std::strstr(header, wrapped ? "\"wrapped\":true" : "\"wrapped\":false"));
   const double *position = conceg_swc_position(swc), *target = conceg_swc_column(swc, "target_radius");
   CHECK(target && target[0] == 0.625);
   double length = 0.0, farthest = 0.0;
@@ -101,12 +111,16 @@ static void read_swc(const std::string &path, bool wrapped) {
     farthest = std::max(farthest, position[3 * i]);
     if (parent < 0) continue;
     double sum = 0.0;
-    for (int axis = 0; axis < 3; axis++) sum += std::pow(position[3 * i + axis] - position[3 * parent + axis], 2);
+    for (int axis = 0; axis < 3; axis++)
+      sum += std::pow(position[3 * i + axis] - position[3 * parent + axis], 2);
     length += std::sqrt(sum);
   }
-  CHECK_NEAR(length, 3.0 + 2.0 * std::sqrt(2.0) + 2.0 * std::sqrt(2.0) + std::sqrt(2.0) + 3.0 - std::sqrt(2.0), 1e-4);
-  if (wrapped) CHECK(farthest <= 20.0 + 1e-6);
-  else CHECK_EQUAL(conceg_swc_count(swc), testing::points_per_cell);
+  CHECK_NEAR(length,
+             3.0 + 2.0 * std::sqrt(2.0) + 2.0 * std::sqrt(2.0) + std::sqrt(2.0) + 3.0 - std::sqrt(2.0), 1e-4);
+  if (wrapped)
+    CHECK(farthest <= 20.0 + 1e-6);
+  else
+    CHECK_EQUAL(conceg_swc_count(swc), testing::points_per_cell);
   if (!wrapped) CHECK_NEAR(farthest, 22.0, 1e-6);
   conceg_swc_free(swc);
   conceg_ctx_free(ctx);
@@ -121,7 +135,8 @@ static void swc() {
 }
 
 static void wrapped_surfaces() {
-  CHECK_EQUAL(run(false, true, {"dir=" + dir_of("tiled"), "to=ply", "cells=1", "wrapped=true", "ascii=true"}), CONCEG_OK);
+  CHECK_EQUAL(run(false, true, {"dir=" + dir_of("tiled"), "to=ply", "cells=1", "wrapped=true", "ascii=true"}),
+              CONCEG_OK);
   const std::string text = contents(dir_of("tiled/ply/cell_0001_L4_interneuron.ply"));
   CHECK(text.find("format ascii 1.0") != std::string::npos);
   std::size_t faces = 0;
@@ -148,7 +163,8 @@ static void bad_input() {
   // A folder stands where a file should go: the run fails and leaves no temporary file.
   fs::create_directories(dir_of("blocked/ply/cell_0000_L23_pyramidal.ply/x"));
   CHECK_EQUAL(run(true, true, {"dir=" + dir_of("blocked"), "to=ply"}, &error), CONCEG_E_IO);
-  for (const auto &entry : fs::recursive_directory_iterator(dir_of("blocked"))) CHECK(entry.path().string().find(".part") == std::string::npos);
+  for (const auto &entry : fs::recursive_directory_iterator(dir_of("blocked")))
+    CHECK(entry.path().string().find(".part") == std::string::npos);
 }
 
 int main() {

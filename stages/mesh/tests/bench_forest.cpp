@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Times every phase of the mesher on a synthetic dense tissue: bench_mesh_forest [threads] [h_um] [side_um] [tolerance_um].
+// Times every phase of the mesher on a synthetic dense tissue: bench_mesh_forest [threads] [h_um] [side_um]
+// [tolerance_um].
 #include "faces.hpp"
 #include "finish.hpp"
 #include "scenes.hpp"
@@ -31,7 +32,8 @@ private:
 
 std::size_t faces(const std::vector<conceg::mesh::Surface> &surfaces) {
   std::size_t sum = 0;
-  for (const auto &surface : surfaces) sum += surface.face.size();
+  for (const auto &surface : surfaces)
+    sum += surface.face.size();
   return sum;
 }
 
@@ -55,26 +57,32 @@ int main(int argc, char **argv) {
   clock.lap("extract");
   const std::size_t raw = faces(base);
   double detached = 0, base_volume = 0;
-  for (auto &surface : base) detached += keep_soma_piece(surface, glm::dvec3(0), true).detached_volume;
-  for (const auto &surface : base) base_volume += volume_of(surface);
+  for (auto &surface : base)
+    detached += keep_soma_piece(surface, glm::dvec3(0), true).detached_volume;
+  for (const auto &surface : base)
+    base_volume += volume_of(surface);
   clock.lap("pieces");
   FinishOptions finish_options;
   finish_options.h = scene.grid.unit, finish_options.tolerance = tolerance;
   const Finished done = finish(base, tissue.box, finish_options, workers, {});
   clock.lap("finish");
-  for (const auto &surface : done.surfaces) label_faces(scene, index, surface, workers);
+  for (const auto &surface : done.surfaces)
+    label_faces(scene, index, surface, workers);
   clock.lap("faces");
   double final_volume = 0, gap = 1;
-  for (const auto &surface : done.surfaces) final_volume += volume_of(surface);
-  for (const double g : done.check.min_gap) gap = std::min(gap, g);
+  for (const auto &surface : done.surfaces)
+    final_volume += volume_of(surface);
+  for (const double g : done.check.min_gap)
+    gap = std::min(gap, g);
   rusage usage;
   getrusage(RUSAGE_SELF, &usage);
-  std::printf("h %.4f um, %zu cones, %zu cells: %zu raw triangles, %zu kept, %zu final\n", scene.grid.unit, scene.cone.size(),
-              tissue.cells(), raw, faces(base), faces(done.surfaces));
-  std::printf("fill %.4f (%+.3f %% by simplification), detached %.4f, min gap %.4f um, %llu pairs, %llu flaws, %d rounds, %llu repaired\n",
+  std::printf("h %.4f um, %zu cones, %zu cells: %zu raw triangles, %zu kept, %zu final\n", scene.grid.unit,
+              scene.cone.size(), tissue.cells(), raw, faces(base), faces(done.surfaces));
+  std::printf("fill %.4f (%+.3f %% by simplification), detached %.4f, min gap %.4f um, %llu pairs, %llu "
+              "flaws, %d rounds, %llu repaired\n",
               base_volume / volume, 100 * (final_volume / base_volume - 1), detached / volume, gap,
-              (unsigned long long)done.check.pairs_checked, (unsigned long long)done.check.errors, done.rounds,
-              (unsigned long long)done.repaired_pairs);
+              (unsigned long long)done.check.pairs_checked, (unsigned long long)done.check.errors,
+              done.rounds, (unsigned long long)done.repaired_pairs);
   for (std::size_t i = 0; i < std::min<std::size_t>(5, done.check.defects.size()); i++)
     std::printf("  %s\n", describe(done.check.defects[i], done.surfaces).c_str());
   std::printf("peak %.0f MB\n", double(usage.ru_maxrss) / 1024);

@@ -14,7 +14,8 @@ using namespace conceg::mesh;
 
 inline Tissue empty_box(double side, bool periodic = true) {
   Tissue tissue;
-  for (int axis = 0; axis < 3; axis++) tissue.box.lo[axis] = 0, tissue.box.hi[axis] = side, tissue.box.periodic[axis] = periodic;
+  for (int axis = 0; axis < 3; axis++)
+    tissue.box.lo[axis] = 0, tissue.box.hi[axis] = side, tissue.box.periodic[axis] = periodic;
   tissue.offset.push_back(0);
   return tissue;
 }
@@ -26,7 +27,8 @@ inline void add_cell(Tissue &tissue, const glm::dvec3 &soma, double radius) {
 }
 
 // Adds a point to the last cell and returns its row in the cell.
-inline std::int64_t add_point(Tissue &tissue, const glm::dvec3 &p, double radius, std::int64_t parent, int kind = 3) {
+inline std::int64_t add_point(Tissue &tissue, const glm::dvec3 &p, double radius, std::int64_t parent,
+                              int kind = 3) {
   tissue.point.push_back(p);
   tissue.radius.push_back(static_cast<float>(radius));
   tissue.parent.push_back(parent);
@@ -49,12 +51,14 @@ inline glm::dvec3 random_direction(conceg_rng &rng) {
 }
 
 // Branching random walks around somas: dense, with cells that touch and cross one another and themselves.
-inline Tissue forest(double side, unsigned cells, double cable_per_cell, std::uint64_t seed, double thin = 0.3, double thick = 0.6) {
+inline Tissue forest(double side, unsigned cells, double cable_per_cell, std::uint64_t seed,
+                     double thin = 0.3, double thick = 0.6) {
   Tissue tissue = empty_box(side);
   for (unsigned cell = 0; cell < cells; cell++) {
     conceg_rng rng = conceg_rng_stream(seed, "test.forest", cell);
     const double radius = 6 + conceg_rng_uniform(&rng);
-    const glm::dvec3 soma(conceg_snap(side * conceg_rng_uniform(&rng)), conceg_snap(side * conceg_rng_uniform(&rng)),
+    const glm::dvec3 soma(conceg_snap(side * conceg_rng_uniform(&rng)),
+                          conceg_snap(side * conceg_rng_uniform(&rng)),
                           conceg_snap(side * conceg_rng_uniform(&rng)));
     add_cell(tissue, soma, radius);
     struct Tip {
@@ -92,7 +96,8 @@ struct Meshed {
   std::vector<Surface> surfaces;
 };
 
-inline Meshed mesh_of(const Tissue &tissue, const SceneOptions &options, unsigned threads = 1, bool keep_all = true) {
+inline Meshed mesh_of(const Tissue &tissue, const SceneOptions &options, unsigned threads = 1,
+                      bool keep_all = true) {
   conceg::Workers workers(threads);
   Meshed out;
   out.scene = make_scene(tissue, options);

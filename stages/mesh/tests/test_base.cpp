@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The base mesh against formulas and against its promises: closed, manifold, outward, disjoint, the same for any number of
-// threads and wherever the box begins.
+// The base mesh against formulas and against its promises: closed, manifold, outward, disjoint, the same for
+// any number of threads and wherever the box begins.
 #include "check.h"
 #include "check.hpp"
 #include "scenes.hpp"
@@ -29,9 +29,11 @@ bool sound(const std::vector<Surface> &surfaces, const conceg_box &box, double *
   }
   if (gap) {
     *gap = 1;
-    for (const double g : result.min_gap) *gap = std::min(*gap, g);
+    for (const double g : result.min_gap)
+      *gap = std::min(*gap, g);
   }
-  for (const std::uint8_t closed : result.closed) CHECK(closed);
+  for (const std::uint8_t closed : result.closed)
+    CHECK(closed);
   return result.defects.empty();
 }
 
@@ -79,7 +81,8 @@ void tubes_that_cross_are_parted() {
   CHECK(sound(mesh.surfaces, tissue.box, &gap));
   CHECK(gap >= 0.04 / 1.91 && gap < 0.08);
   const double tube = pi * 10 + 4.0 / 3 * pi;
-  for (const Surface &surface : mesh.surfaces) CHECK(volume_of(surface) < 0.97 * tube && volume_of(surface) > 0.6 * tube);
+  for (const Surface &surface : mesh.surfaces)
+    CHECK(volume_of(surface) < 0.97 * tube && volume_of(surface) > 0.6 * tube);
 }
 
 void tube_meets_its_own_image() {
@@ -95,11 +98,13 @@ void tube_meets_its_own_image() {
 
 void four_cells_in_one_voxel() {
   Tissue tissue = empty_box(8);
-  for (const glm::dvec3 &d : {glm::dvec3(1, 1, 1), glm::dvec3(1, -1, -1), glm::dvec3(-1, 1, -1), glm::dvec3(-1, -1, 1)})
+  for (const glm::dvec3 &d :
+       {glm::dvec3(1, 1, 1), glm::dvec3(1, -1, -1), glm::dvec3(-1, 1, -1), glm::dvec3(-1, -1, 1)})
     add_cell(tissue, glm::dvec3(4.06, 4.07, 4.05) + 0.9 * d, 1.7);
   const Meshed mesh = mesh_of(tissue, step(0.25));
   CHECK(sound(mesh.surfaces, tissue.box));
-  for (const Surface &surface : mesh.surfaces) CHECK_EQUAL(euler_characteristic(surface), 2);
+  for (const Surface &surface : mesh.surfaces)
+    CHECK_EQUAL(euler_characteristic(surface), 2);
 }
 
 void cell_on_all_corners() {
@@ -115,7 +120,8 @@ void thin_tube_stays_whole() {
   for (int turn = 0; turn < 8; turn++) {
     conceg_rng rng = conceg_rng_stream(5, "test.thin", static_cast<std::uint64_t>(turn));
     Tissue tissue = empty_box(12);
-    const glm::dvec3 centre(6 + conceg_rng_uniform(&rng), 6 + conceg_rng_uniform(&rng), 6 + conceg_rng_uniform(&rng));
+    const glm::dvec3 centre(6 + conceg_rng_uniform(&rng), 6 + conceg_rng_uniform(&rng),
+                            6 + conceg_rng_uniform(&rng));
     const glm::dvec3 along = 4.0 * random_direction(rng);
     add_tube(tissue, centre - along, centre + along, 0.93 * 0.25);
     Meshed mesh = mesh_of(tissue, step(0.25));
@@ -142,12 +148,15 @@ void forest_is_sound_and_repeatable() {
   double gap = 0;
   CHECK(sound(mesh.surfaces, tissue.box, &gap));
   CHECK(gap >= 0.04 / 1.91);
-  for (const unsigned threads : {2u, 3u}) bits_differ_nowhere(mesh.surfaces, mesh_of(tissue, step(0.25), threads).surfaces);
+  for (const unsigned threads : {2u, 3u})
+    bits_differ_nowhere(mesh.surfaces, mesh_of(tissue, step(0.25), threads).surfaces);
   // Whole voxels, but not whole blocks.
   Tissue moved = tissue;
   const glm::dvec3 shift(0.25 * 5, -0.25 * 3, 0.25 * 21);
-  for (glm::dvec3 &p : moved.soma) p += shift;
-  for (glm::dvec3 &p : moved.point) p += shift;
+  for (glm::dvec3 &p : moved.soma)
+    p += shift;
+  for (glm::dvec3 &p : moved.point)
+    p += shift;
   bits_differ_nowhere(mesh.surfaces, mesh_of(moved, step(0.25)).surfaces);
 }
 
@@ -192,10 +201,12 @@ void inflation_fills() {
   const Tissue tissue = forest(20, 3, 700, 11);
   SceneOptions options = step(0.4);
   double thin = 0, fat = 0;
-  for (const Surface &surface : mesh_of(tissue, options).surfaces) thin += volume_of(surface);
+  for (const Surface &surface : mesh_of(tissue, options).surfaces)
+    thin += volume_of(surface);
   options.inflate = 0.1;
   const Meshed mesh = mesh_of(tissue, options);
-  for (const Surface &surface : mesh.surfaces) fat += volume_of(surface);
+  for (const Surface &surface : mesh.surfaces)
+    fat += volume_of(surface);
   CHECK(fat > 1.05 * thin);
   CHECK(sound(mesh.surfaces, tissue.box));
 }

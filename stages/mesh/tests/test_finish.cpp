@@ -17,7 +17,8 @@ namespace {
 
 std::size_t faces(const std::vector<Surface> &surfaces) {
   std::size_t sum = 0;
-  for (const Surface &surface : surfaces) sum += surface.face.size();
+  for (const Surface &surface : surfaces)
+    sum += surface.face.size();
   return sum;
 }
 
@@ -25,8 +26,10 @@ std::size_t faces(const std::vector<Surface> &surfaces) {
 double farthest(const Surface &from, const Surface &to) {
   double worst = 0;
   std::vector<glm::dvec3> samples;
-  for (std::uint32_t v = 0; v < from.vertex.size(); v++) samples.push_back(from.at(v));
-  for (const glm::uvec3 &f : from.face) samples.push_back((from.at(f.x) + from.at(f.y) + from.at(f.z)) / 3.0);
+  for (std::uint32_t v = 0; v < from.vertex.size(); v++)
+    samples.push_back(from.at(v));
+  for (const glm::uvec3 &f : from.face)
+    samples.push_back((from.at(f.x) + from.at(f.y) + from.at(f.z)) / 3.0);
   const std::size_t stride = 1 + samples.size() / 400;
   for (std::size_t i = 0; i < samples.size(); i += stride) {
     double least = 1e9;
@@ -51,8 +54,9 @@ void simplified_stays_near() {
   const Meshed mesh = mesh_of(tissue, options);
   for (const double tolerance : {0.01, 0.02, 0.04, 0.08}) {
     const Surface light = simplify(mesh.surfaces[0], tolerance, {}, {});
-    std::printf("tolerance %.3f: %zu -> %zu faces, there %.4f, back %.4f um\n", tolerance, mesh.surfaces[0].face.size(), light.face.size(),
-                farthest(light, mesh.surfaces[0]), farthest(mesh.surfaces[0], light));
+    std::printf("tolerance %.3f: %zu -> %zu faces, there %.4f, back %.4f um\n", tolerance,
+                mesh.surfaces[0].face.size(), light.face.size(), farthest(light, mesh.surfaces[0]),
+                farthest(mesh.surfaces[0], light));
     CHECK(farthest(light, mesh.surfaces[0]) <= tolerance);
     CHECK(farthest(mesh.surfaces[0], light) <= tolerance);
     CHECK(light.face.size() < mesh.surfaces[0].face.size() / 2);
@@ -63,7 +67,8 @@ void simplified_stays_near() {
   CHECK_EQUAL(simplify(mesh.surfaces[0], 0.02, locked, {}).face.size(), mesh.surfaces[0].face.size());
 }
 
-Finished finish_forest(const Tissue &tissue, double tolerance, unsigned threads, std::size_t *base_faces = nullptr) {
+Finished finish_forest(const Tissue &tissue, double tolerance, unsigned threads,
+                       std::size_t *base_faces = nullptr) {
   SceneOptions options;
   options.h = 0.25;
   const Meshed mesh = mesh_of(tissue, options, threads, false);
@@ -80,7 +85,8 @@ void forest_is_light_and_sound() {
   const Finished one = finish_forest(tissue, 0.02, 1, &base), three = finish_forest(tissue, 0.02, 3);
   CHECK_EQUAL(one.check.errors, 0);
   CHECK(faces(one.surfaces) < base / 3);
-  for (const double gap : one.check.min_gap) CHECK(gap >= 0.02);
+  for (const double gap : one.check.min_gap)
+    CHECK(gap >= 0.02);
   CHECK_EQUAL(one.surfaces.size(), three.surfaces.size());
   for (std::size_t i = 0; i < one.surfaces.size(); i++) {
     const Surface &a = one.surfaces[i], &b = three.surfaces[i];
@@ -92,7 +98,8 @@ void forest_is_light_and_sound() {
   const Finished rough = finish_forest(tissue, 0.2, 2);
   CHECK(rough.repaired_pairs > 0 && rough.rounds > 0);
   CHECK_EQUAL(rough.check.errors, 0);
-  for (const double gap : rough.check.min_gap) CHECK(gap >= 0.02);
+  for (const double gap : rough.check.min_gap)
+    CHECK(gap >= 0.02);
 }
 
 void faces_know_where_they_belong() {
@@ -109,7 +116,8 @@ void faces_know_where_they_belong() {
   const Surface &surface = mesh.surfaces[0];
   const FaceLabels labels = label_faces(mesh.scene, mesh.index, surface, workers);
   for (std::size_t f = 0; f < surface.face.size(); f++) {
-    const glm::dvec3 p = (surface.at(surface.face[f].x) + surface.at(surface.face[f].y) + surface.at(surface.face[f].z)) / 3.0;
+    const glm::dvec3 p =
+        (surface.at(surface.face[f].x) + surface.at(surface.face[f].y) + surface.at(surface.face[f].z)) / 3.0;
     const std::uint8_t kind = labels.compartment[f];
     if (p.x < 7) CHECK(kind == kSomaKind && labels.section[f] == kNoSection);
     if (p.x > 9.5 && p.x < 11.5) CHECK(kind == 4 && labels.section[f] == 0);
@@ -133,8 +141,9 @@ void volumes_agree_with_meshes() {
     if (!((volume.label[i] != 0) == (volume.distance[i] < 0))) CHECK(false);
   }
   double meshes = 0;
-  for (const Surface &surface : mesh_of(tissue, options).surfaces) meshes += volume_of(surface);
-  CHECK_NEAR(double(inside) / 512000, meshes / 8000, 0.02);
+  for (const Surface &surface : mesh_of(tissue, options).surfaces)
+    meshes += volume_of(surface);
+  CHECK_NEAR(double(inside) / 512000, meshes / 8000, 0.002);
   CHECK(make_volume(tissue, options, one, {}).distance == volume.distance);
   if (vdb_available()) {
     write_vdb(volume, "test_mesh_finish.vdb");

@@ -66,7 +66,8 @@ void crossings_are_found() {
   const std::vector<Surface> wide = {ball({5, 5, 5}, 4.9, 0)};
   CHECK_EQUAL(judge(wide).defects.size(), 0);
   std::vector<Surface> wider = wide;
-  for (glm::vec3 &v : wider[0].vertex) v *= 1.05f;
+  for (glm::vec3 &v : wider[0].vertex)
+    v *= 1.05f;
   CHECK(finds(wider, Flaw::crossing_image));
   CHECK(!finds(wider, Flaw::crossing_cells) && !finds(wider, Flaw::crossing_self));
 }
@@ -82,7 +83,8 @@ void touching_is_a_crossing() {
   CheckOptions options;
   options.least_gap = 0.035;
   const CheckResult result = check_surfaces(two, periodic, options, workers, {});
-  CHECK(!result.defects.empty() && result.defects[0].flaw == Flaw::near && result.errors == 0 && result.crossings == 0);
+  CHECK(!result.defects.empty() && result.defects[0].flaw == Flaw::near && result.errors == 0 &&
+        result.crossings == 0);
 }
 
 void self_crossings_and_folds_are_found() {
@@ -111,7 +113,8 @@ void broken_topology_is_found() {
   std::swap(one[0].face[3].x, one[0].face[3].y);
   CHECK(finds(one, Flaw::turned_face));
   one[0] = s;
-  for (glm::uvec3 &f : one[0].face) std::swap(f.x, f.y);
+  for (glm::uvec3 &f : one[0].face)
+    std::swap(f.x, f.y);
   CHECK(finds(one, Flaw::inward));
   one[0] = s;
   one[0].face.push_back(one[0].face[0]);
@@ -144,14 +147,16 @@ void broken_topology_is_found() {
 
 void threads_agree() {
   std::vector<Surface> many;
-  for (std::uint32_t i = 0; i < 6; i++) many.push_back(ball({1.7 * i, 5, 5}, 1.2, i));
+  for (std::uint32_t i = 0; i < 6; i++)
+    many.push_back(ball({1.7 * i, 5, 5}, 1.2, i));
   const CheckResult one = judge(many, 1), three = judge(many, 3);
   CHECK(one.crossings > 10);
   CHECK_EQUAL(one.crossings, three.crossings);
   CHECK_EQUAL(one.pairs_checked, three.pairs_checked);
   for (std::size_t i = 0; i < one.defects.size(); i++)
     CHECK(one.defects[i].flaw == three.defects[i].flaw && one.defects[i].face == three.defects[i].face &&
-          one.defects[i].other_face == three.defects[i].other_face && one.defects[i].lift == three.defects[i].lift);
+          one.defects[i].other_face == three.defects[i].other_face &&
+          one.defects[i].lift == three.defects[i].lift);
 }
 
 } // namespace

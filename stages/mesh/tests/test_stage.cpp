@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The stage as the host runs it: from a document to /meshes and /volumes, the same bytes for any number of threads.
+// The stage as the host runs it: from a document to /meshes and /volumes, the same bytes for any number of
+// threads.
 #include "check.h"
 #include "check.hpp"
 #include "conceg/conceg.h"
@@ -32,7 +33,8 @@ conceg_doc *document_of(conceg_ctx *ctx, const conceg::mesh::Tissue &tissue) {
   put_texts(doc, "/types/name", {"ball"});
   put_texts(doc, "/types/class", {"other"});
   std::vector<std::uint64_t> id;
-  for (std::uint64_t i = 0; i < tissue.cells(); i++) id.push_back(i + 1);
+  for (std::uint64_t i = 0; i < tissue.cells(); i++)
+    id.push_back(i + 1);
   put(doc, "/cells/id", id);
   put(doc, "/cells/type", std::vector<std::uint32_t>(tissue.cells()));
   put3(doc, "/cells/soma", tissue.soma);
@@ -74,7 +76,8 @@ void meshes_are_written(const conceg::mesh::Tissue &tissue) {
     if (threads == 1) {
       meshes = digest(doc, "/meshes"), volumes = digest(doc, "/volumes");
       const auto offset = view<std::uint64_t>(doc, "/meshes/face_offset");
-      const auto vertex = view<double>(doc, "/meshes/vertex", 3), origin = view<double>(doc, "/meshes/origin", 3);
+      const auto vertex = view<double>(doc, "/meshes/vertex", 3),
+                 origin = view<double>(doc, "/meshes/origin", 3);
       CHECK_EQUAL(offset.rows(), tissue.cells() + 1);
       CHECK_EQUAL(view<std::uint8_t>(doc, "/meshes/compartment").rows(), offset[tissue.cells()]);
       CHECK_EQUAL(view<std::uint64_t>(doc, "/meshes@crossings")[0], 0);
@@ -85,11 +88,13 @@ void meshes_are_written(const conceg::mesh::Tissue &tissue) {
         for (std::size_t v = vertices[k]; v < vertices[k + 1]; v += 97)
           for (int axis = 0; axis < 3; axis++) { // each value is the origin plus a float32
             const double relative = vertex.row(v)[axis] - origin.row(k)[axis];
-            CHECK(static_cast<double>(static_cast<float>(relative)) == relative && origin.row(k)[axis] + relative == vertex.row(v)[axis]);
+            CHECK(static_cast<double>(static_cast<float>(relative)) == relative &&
+                  origin.row(k)[axis] + relative == vertex.row(v)[axis]);
           }
       }
       double sum = 0;
-      for (const double v : view<double>(doc, "/meshes/volume")) sum += v;
+      for (const double v : view<double>(doc, "/meshes/volume"))
+        sum += v;
       CHECK_NEAR(view<double>(doc, "/meshes@icvf")[0], sum / 8000, 1e-6);
     } else {
       CHECK(digest(doc, "/meshes") == meshes);
@@ -124,7 +129,8 @@ void bad_input_is_refused(const conceg::mesh::Tissue &sound) {
 void cancelling_stops() {
   conceg_ctx *ctx = conceg_ctx_new();
   conceg_doc *doc = document_of(ctx, scenes::forest(20, 2, 500, 3));
-  conceg_ctx_set_progress(ctx, [](void *, const char *, std::uint64_t, std::uint64_t) { return 1; }, nullptr);
+  conceg_ctx_set_progress(
+      ctx, [](void *, const char *, std::uint64_t, std::uint64_t) { return 1; }, nullptr);
   CHECK_EQUAL(run(ctx, doc, {}), CONCEG_E_CANCELLED);
   must(conceg_doc_close(doc));
   conceg_ctx_free(ctx);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Donors: turning about the pia, uniform spin, bars with parents first, radius law, axons, subsets, broken dictionaries.
+// Donors: turning about the pia, uniform spin, bars with parents first, radius law, axons, subsets, broken
+// dictionaries.
 #include "../donors.hpp"
 
 #include "check.h"
@@ -12,8 +13,8 @@
 using namespace conceg;
 using namespace conceg::place;
 
-// Two entries. "pyramidal": one donor, a basal tree of 3 bars whose rows stand child before parent, an apical tree that
-// points up, and an axon. "glia": two donors of unknown frame with one bar each.
+// Two entries. "pyramidal": one donor, a basal tree of 3 bars whose rows stand child before parent, an apical
+// tree that points up, and an axon. "glia": two donors of unknown frame with one bar each.
 static Dictionary example() {
   Dictionary d;
   d.entry.name = {"pyramidal", "glia"};
@@ -40,7 +41,8 @@ static Dictionary example() {
   return d;
 }
 
-static CellDraw cell_of(const Dictionary &d, std::size_t donor, std::uint64_t id, const DonorOptions &options) {
+static CellDraw cell_of(const Dictionary &d, std::size_t donor, std::uint64_t id,
+                        const DonorOptions &options) {
   return {id, donor == 0 ? 0u : 1u, donor, draw_rotation(d, donor, id, options), {10, 20, 30}, 2.0};
 }
 
@@ -59,7 +61,8 @@ static void test_bars() {
   CHECK(bars.taper == (std::vector<double>{-0.004, -0.002, 0, -0.002}));
   CHECK(bars.angle == (std::vector<double>{0, 1.1, 0.9, 0}));
   CHECK_NEAR(bars.radius_floor[2], 0.15, 0);
-  // The apical tip stands straight above the soma for every azimuth; basal tips keep their distance and height.
+  // The apical tip stands straight above the soma for every azimuth; basal tips keep their distance and
+  // height.
   CHECK_NEAR(bars.attractor[3].x, 10, 1e-9);
   CHECK_NEAR(bars.attractor[3].z, 335, 1e-9);
   CHECK_NEAR(bars.attractor[0].z, 30, 1e-9);
@@ -80,13 +83,15 @@ static void test_bars() {
 
 static void test_pia() {
   const Dictionary d = example();
-  for (const glm::dvec3 pia : {glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0), glm::dvec3(0, -0.6, 0.8), glm::dvec3(0, 0, -1)}) {
+  for (const glm::dvec3 pia :
+       {glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0), glm::dvec3(0, -0.6, 0.8), glm::dvec3(0, 0, -1)}) {
     DonorOptions options;
     options.pia = pia;
     const glm::dquat q = draw_rotation(d, 0, 77, options);
     CHECK_NEAR(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z, 1.0, 1e-12);
     const glm::dvec3 up = q * glm::dvec3(0, 0, 1), level = q * glm::dvec3(1, 0, 0);
-    for (int axis = 0; axis < 3; axis++) CHECK_NEAR(up[axis], pia[axis], 1e-12);
+    for (int axis = 0; axis < 3; axis++)
+      CHECK_NEAR(up[axis], pia[axis], 1e-12);
     CHECK_NEAR(level.x * pia.x + level.y * pia.y + level.z * pia.z, 0.0, 1e-12);
   }
 }
@@ -99,7 +104,8 @@ static void test_directions() {
   glm::dvec3 level(0), spun(0), square(0);
   for (int i = 0; i < count; i++) {
     level += draw_rotation(d, 0, static_cast<std::uint64_t>(i), options) * glm::dvec3(1, 0, 0);
-    const glm::dvec3 v = draw_rotation(d, 1, static_cast<std::uint64_t>(i), options) * glm::dvec3(0, 0.6, 0.8);
+    const glm::dvec3 v =
+        draw_rotation(d, 1, static_cast<std::uint64_t>(i), options) * glm::dvec3(0, 0.6, 0.8);
     spun += v, square += v * v;
   }
   for (int axis = 0; axis < 3; axis++) {
@@ -108,7 +114,8 @@ static void test_directions() {
     CHECK_NEAR(square[axis] / count, 1.0 / 3.0, 0.01);
   }
   int first = 0;
-  for (int i = 0; i < count; i++) first += draw_donor(d, 1, static_cast<std::uint64_t>(i), 1) == 1;
+  for (int i = 0; i < count; i++)
+    first += draw_donor(d, 1, static_cast<std::uint64_t>(i), 1) == 1;
   CHECK_NEAR(first / static_cast<double>(count), 0.5, 0.015);
   CHECK_EQUAL(draw_donor(d, 0, 3, 1), 0);
 }
@@ -139,7 +146,9 @@ static std::string broken(const std::function<void(Dictionary &)> &damage) {
   }
   return "";
 }
-static bool contains(const std::string &text, const char *part) { return text.find(part) != std::string::npos; }
+static bool contains(const std::string &text, const char *part) {
+  return text.find(part) != std::string::npos;
+}
 
 int main() {
   test_bars();

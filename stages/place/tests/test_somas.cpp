@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Somas never overlap, images included; they follow layer and profile; they do not depend on others' streams; a full box says so.
+// Somas never overlap, images included; they follow layer and profile; they do not depend on others' streams;
+// a full box says so.
 #include "../somas.hpp"
 
 #include "check.h"
@@ -11,7 +12,8 @@
 using namespace conceg;
 using namespace conceg::place;
 
-static std::vector<SomaRequest> requests(std::size_t count, double small, double large, double lo, double hi, const Profile *profile = nullptr) {
+static std::vector<SomaRequest> requests(std::size_t count, double small, double large, double lo, double hi,
+                                         const Profile *profile = nullptr) {
   std::vector<SomaRequest> out;
   for (std::size_t i = 0; i < count; i++)
     out.push_back({7 * i, small + (large - small) * static_cast<double>(i % 5) / 4.0, lo, hi, profile});
@@ -19,7 +21,8 @@ static std::vector<SomaRequest> requests(std::size_t count, double small, double
 }
 
 // The smallest distance between surfaces over all images, by brute force.
-static double smallest_gap(const conceg_box &box, const std::vector<SomaRequest> &somas, const std::vector<glm::dvec3> &centers) {
+static double smallest_gap(const conceg_box &box, const std::vector<SomaRequest> &somas,
+                           const std::vector<glm::dvec3> &centers) {
   double smallest = HUGE_VAL;
   for (std::size_t i = 0; i < centers.size(); i++)
     for (std::size_t k = i; k < centers.size(); k++)
@@ -29,7 +32,8 @@ static double smallest_gap(const conceg_box &box, const std::vector<SomaRequest>
             if (i == k && !x && !y && !z) continue;
             if ((x && !box.periodic[0]) || (y && !box.periodic[1]) || (z && !box.periodic[2])) continue;
             const glm::dvec3 d = centers[i] - centers[k] - glm::dvec3(x, y, z) * side(box);
-            smallest = std::min(smallest, std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z) - somas[i].radius - somas[k].radius);
+            smallest = std::min(smallest, std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z) - somas[i].radius -
+                                              somas[k].radius);
           }
   return smallest;
 }
@@ -42,7 +46,9 @@ static std::string message(const conceg_box &box, const std::vector<SomaRequest>
   }
   return "";
 }
-static bool contains(const std::string &text, const char *part) { return text.find(part) != std::string::npos; }
+static bool contains(const std::string &text, const char *part) {
+  return text.find(part) != std::string::npos;
+}
 
 static void test_apart() {
   const conceg_box box = {{-10, -10, -10}, {50, 40, 45}, {1, 1, 1}};
@@ -68,17 +74,20 @@ static void test_open_sides() {
   const auto centers = place_somas(box, somas, 0.5, 1, {});
   CHECK(smallest_gap(box, somas, centers) >= 0.5 - 1e-9);
   for (std::size_t i = 0; i < centers.size(); i++)
-    for (const int axis : {0, 2}) CHECK(centers[i][axis] >= somas[i].radius && centers[i][axis] <= 40 - somas[i].radius);
+    for (const int axis : {0, 2})
+      CHECK(centers[i][axis] >= somas[i].radius && centers[i][axis] <= 40 - somas[i].radius);
 }
 
 static void test_layer_and_profile() {
   const conceg_box box = {{0, 0, 0}, {200, 200, 300}, {1, 1, 1}};
-  for (const glm::dvec3 &c : place_somas(box, requests(200, 3, 3, 100, 150), 1, 1, {})) CHECK(c.z >= 100 && c.z < 150);
+  for (const glm::dvec3 &c : place_somas(box, requests(200, 3, 3, 100, 150), 1, 1, {}))
+    CHECK(c.z >= 100 && c.z < 150);
   // Density falling linearly from z = 0 to 0 at 300: the mean height is 100.
   const Profile profile = {{0, 300}, {1, 0}};
   double sum = 0.0, square = 0.0;
   const auto centers = place_somas(box, requests(4000, 0.5, 0.5, 0, 300, &profile), 0, 1, {});
-  for (const glm::dvec3 &c : centers) sum += c.z, square += c.z * c.z;
+  for (const glm::dvec3 &c : centers)
+    sum += c.z, square += c.z * c.z;
   CHECK_NEAR(sum / 4000, 100.0, 3.5); // sd 70.7 / sqrt(4000) = 1.1
   CHECK_NEAR(square / 4000, 15000.0, 750.0);
 }
@@ -90,7 +99,8 @@ static void test_independence() {
   const auto before = place_somas(box, somas, 1, 1, {});
   somas.push_back({1000, 5, 0, 400, nullptr});
   const auto after = place_somas(box, somas, 1, 1, {});
-  for (std::size_t i = 0; i < before.size(); i++) CHECK(before[i] == after[i]);
+  for (std::size_t i = 0; i < before.size(); i++)
+    CHECK(before[i] == after[i]);
 }
 
 static void test_refusals() {
@@ -99,7 +109,8 @@ static void test_refusals() {
   CHECK(contains(full, "asked for 60 somas") && contains(full, "lower the density"));
   CHECK(contains(message(box, requests(100000, 6, 7, 0, 40), 1), "asked for 100000"));
   const conceg_box small = {{0, 0, 0}, {40, 12, 40}, {1, 1, 1}};
-  CHECK(contains(message(small, requests(1, 6, 6, 0, 40), 1), "domain: expected a side of at least 13 um on axis 1"));
+  CHECK(contains(message(small, requests(1, 6, 6, 0, 40), 1),
+                 "domain: expected a side of at least 13 um on axis 1"));
   CHECK(message(small, requests(1, 5.5, 5.5, 0, 40), 1).empty());
   const conceg_box open = {{0, 0, 0}, {40, 40, 40}, {1, 1, 0}};
   CHECK(contains(message(open, requests(1, 6, 6, 0, 4), 1), "layers: expected room"));

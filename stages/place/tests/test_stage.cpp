@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The place stage as the host runs it, on the embedded dictionary: counts, valid groups, apical trees towards the pia, same
-// bytes again, another seed, a dictionary file, and one clear line for each wrong recipe.
+// The place stage as the host runs it, on the embedded dictionary: counts, valid groups, apical trees towards
+// the pia, same bytes again, another seed, a dictionary file, and one clear line for each wrong recipe.
 #include "check.h"
 #include "conceg/run.h"
 #include "conceg/swc.h"
@@ -17,7 +17,8 @@ static conceg_ctx *ctx;
 
 // A recipe of 80 um with all pyramidal entries; `more` goes on top.
 static std::string recipe_text(const char *more) {
-  return std::string("conceg: 1\nseed: 3\ndomain: {size_um: [80, 80, 80.000001], periodic: [true, true, true]}\ndensity_per_um3: 2e-4\n"
+  return std::string("conceg: 1\nseed: 3\ndomain: {size_um: [80, 80, 80.000001], periodic: [true, true, "
+                     "true]}\ndensity_per_um3: 2e-4\n"
                      "types:\n"
                      "  - {name: a, class: pyramidal, entry: L23_pyramidal, fraction: 0.2, radius_scale: 2}\n"
                      "  - {name: b, class: pyramidal, entry: L4_pyramidal, fraction: 0.3}\n"
@@ -34,7 +35,8 @@ static conceg_doc *run(const std::string &text, std::vector<const char *> sets =
   conceg_ctx_clear_error(ctx);
   conceg_status status = conceg_doc_new(ctx, &doc);
   if (status == CONCEG_OK) status = conceg_recipe_parse(ctx, text.c_str(), "test.yaml", &recipe);
-  if (status == CONCEG_OK) status = conceg_params_new(ctx, &conceg_stage_place, doc, recipe, sets.data(), nullptr, &params);
+  if (status == CONCEG_OK)
+    status = conceg_params_new(ctx, &conceg_stage_place, doc, recipe, sets.data(), nullptr, &params);
   if (status == CONCEG_OK) status = conceg_stage_run(ctx, &conceg_stage_place, doc, params);
   conceg_params_free(params);
   conceg_recipe_free(recipe);
@@ -57,13 +59,14 @@ static void test_tissue() {
     return;
   }
   CHECK_EQUAL(conceg_doc_validate(doc, nullptr, nullptr, nullptr), CONCEG_OK);
-  const auto asked = view<std::uint64_t>(doc, "/types/asked"), placed = view<std::uint64_t>(doc, "/types/placed");
+  const auto asked = view<std::uint64_t>(doc, "/types/asked"),
+             placed = view<std::uint64_t>(doc, "/types/placed");
   const std::uint64_t expected[4] = {20, 31, 31, 20}; // 102.4 cells: 20.48 30.72 30.72 20.48
   for (int t = 0; t < 4; t++) {
     CHECK_EQUAL(asked[t], expected[t]);
     CHECK_EQUAL(placed[t], expected[t]);
   }
-  CHECK_NEAR(view<double>(doc, "/domain@hi", 3)[2], 80.0, 0); // on the lattice
+  CHECK_NEAR(view<double>(doc, "/domain@hi", 3)[2], 80.0, 0);  // on the lattice
   CHECK_EQUAL(texts(doc, "/dictionary/entry_name").size(), 4); // only what is used
   const auto type = view<std::uint32_t>(doc, "/cells/type");
   const auto soma = view<double>(doc, "/cells/soma", 3), attractor = view<double>(doc, "/bars/attractor", 3);
@@ -117,11 +120,13 @@ static void test_pia() {
 
 // Layers, an own density and a profile reach the document, and somas stay in their layer.
 static void test_layers() {
-  conceg_doc *doc = run("conceg: 1\ndomain: {lo_um: [0, 0, -50], hi_um: [100, 100, 50], periodic: [true, true, false]}\n"
-                        "layers:\n  - {name: low, z_um: [-50, 0], density_per_um3: 4e-5}\n  - {name: high, z_um: [0, 50], density_per_um3: 6e-5}\n"
-                        "types:\n  - {name: a, class: interneuron, entry: L5_interneuron, layer: low, fraction: 1}\n"
-                        "  - {name: b, class: interneuron, entry: L4_interneuron, layer: high, fraction: 1}\n"
-                        "  - {name: c, class: microglia, entry: microglia, density_per_um3: 5e-6}\n");
+  conceg_doc *doc =
+      run("conceg: 1\ndomain: {lo_um: [0, 0, -50], hi_um: [100, 100, 50], periodic: [true, true, false]}\n"
+          "layers:\n  - {name: low, z_um: [-50, 0], density_per_um3: 4e-5}\n  - {name: high, z_um: [0, 50], "
+          "density_per_um3: 6e-5}\n"
+          "types:\n  - {name: a, class: interneuron, entry: L5_interneuron, layer: low, fraction: 1}\n"
+          "  - {name: b, class: interneuron, entry: L4_interneuron, layer: high, fraction: 1}\n"
+          "  - {name: c, class: microglia, entry: microglia, density_per_um3: 5e-6}\n");
   CHECK(doc != nullptr);
   if (!doc) {
     std::fprintf(stderr, "%s\n", conceg_ctx_error(ctx));
@@ -132,7 +137,8 @@ static void test_layers() {
   CHECK_NEAR(view<double>(doc, "/domain/layer_density")[1], 6e-5, 1e-12);
   const auto type = view<std::uint32_t>(doc, "/cells/type");
   const auto soma = view<double>(doc, "/cells/soma", 3);
-  for (std::size_t i = 0; i < type.rows(); i++) CHECK(type[i] == 2 || (type[i] == 0) == (soma.row(i)[2] < 0));
+  for (std::size_t i = 0; i < type.rows(); i++)
+    CHECK(type[i] == 2 || (type[i] == 0) == (soma.row(i)[2] < 0));
   CHECK_EQUAL(conceg_doc_close(doc), CONCEG_OK);
 }
 
@@ -161,7 +167,8 @@ static void refused(std::vector<const char *> sets, const char *expected) {
   CHECK(doc == nullptr);
   const std::string line = conceg_ctx_error(ctx);
   CHECK(line.find(expected) != std::string::npos && line.find('\n') == std::string::npos);
-  if (line.find(expected) == std::string::npos) std::fprintf(stderr, "expected \"%s\" in \"%s\"\n", expected, line.c_str());
+  if (line.find(expected) == std::string::npos)
+    std::fprintf(stderr, "expected \"%s\" in \"%s\"\n", expected, line.c_str());
   CHECK_EQUAL(conceg_doc_close(doc), CONCEG_OK);
 }
 
@@ -175,7 +182,8 @@ int main() {
   refused({"density_per_um3=1e-9"}, "at least one cell");
   refused({"domain.size_um=[80,9,80]"}, "enlarge domain.size_um");
   refused({"dictionary=no_such_file.cgx"}, "no_such_file.cgx");
-  refused({"types=[{name: a, class: pyramidal, entry: L7_pyramidal, fraction: 1}]"}, "no entry \"L7_pyramidal\"; it has: ");
+  refused({"types=[{name: a, class: pyramidal, entry: L7_pyramidal, fraction: 1}]"},
+          "no entry \"L7_pyramidal\"; it has: ");
   refused({"types=[{name: a, class: pyramidal, entry: L5_pyramidal, fraction: 0.5}]"}, "add up to 1");
   refused({"place.soma_gap_um=-1"}, "soma_gap_um");
   conceg_ctx_free(ctx);

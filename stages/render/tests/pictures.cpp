@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pictures of known shapes: the silhouette and the cut of a ball, tiling at the box, colours, text, PNG, thread counts.
+// Pictures of known shapes: the silhouette and the cut of a ball, tiling at the box, colours, text, PNG,
+// thread counts.
 #include "output.hpp"
 #include "picture.hpp"
 #include "png.hpp"
@@ -21,7 +22,8 @@ static const double pi = 3.14159265358979323846;
 
 static Scene empty_scene(bool clipped) {
   Scene scene;
-  for (int axis = 0; axis < 3; axis++) scene.box.hi[axis] = testing::box_side, scene.box.periodic[axis] = 1;
+  for (int axis = 0; axis < 3; axis++)
+    scene.box.hi[axis] = testing::box_side, scene.box.periodic[axis] = 1;
   scene.clipped = clipped;
   scene.types = {"ball"};
   scene.type_colour = type_colours({"pyramidal"});
@@ -31,20 +33,25 @@ static Scene empty_scene(bool clipped) {
 static Scene ball_scene(bool clipped, const glm::dvec3 &centre, double radius, bool cones) {
   Scene scene = empty_scene(clipped);
   std::vector<Cell> cells(1);
-  if (cones) cells[0].cones = {{centre, centre, radius, radius}};
-  else cells[0].surface = testing::moved(testing::icosphere(5), centre, radius);
+  if (cones)
+    cells[0].cones = {{centre, centre, radius, radius}};
+  else
+    cells[0].surface = testing::moved(testing::icosphere(5), centre, radius);
   Workers workers(2);
   add_bodies(scene, cells, workers, nullptr);
   return scene;
 }
 
-static bool is_cell(const Colour &pixel) { return pixel.b > pixel.r + 0.08f; } // pyramidal blue
+static bool is_cell(const Colour &pixel) {
+  return pixel.b > pixel.r + 0.08f;
+} // pyramidal blue
 
 // Area that the cell takes in the plot of a picture, in um2.
 static double cell_area(const Image &image, double um_per_pixel, int right) {
   double count = 0.0;
   for (int y = 0; y < image.height; y++)
-    for (int x = 0; x < right; x++) count += is_cell(image.at(x, y));
+    for (int x = 0; x < right; x++)
+      count += is_cell(image.at(x, y));
   return count * um_per_pixel * um_per_pixel;
 }
 
@@ -62,7 +69,8 @@ static void silhouettes() {
 }
 
 static void balls_across_the_corner() {
-  // Looking along z at a ball around the corner: four quarters, together one ball; the cut faces belong to it.
+  // Looking along z at a ball around the corner: four quarters, together one ball; the cut faces belong to
+  // it.
   for (const bool cones : {false, true}) {
     const Scene scene = ball_scene(true, {0, 20, 20}, 6.0, cones);
     const Camera camera(scene, 0, 90);
@@ -72,7 +80,8 @@ static void balls_across_the_corner() {
     Workers workers(2);
     draw_scene(image, frame, scene, *make_ray_scene(scene, 2), camera, workers, nullptr);
     CHECK_NEAR(cell_area(image, 0.1, 200), pi * 36.0, 0.03 * pi * 36.0);
-    CHECK(is_cell(image.at(5, 5)) && is_cell(image.at(194, 5)) && is_cell(image.at(5, 194)) && is_cell(image.at(194, 194)));
+    CHECK(is_cell(image.at(5, 5)) && is_cell(image.at(194, 5)) && is_cell(image.at(5, 194)) &&
+          is_cell(image.at(194, 194)));
     CHECK(!is_cell(image.at(100, 100)));
   }
   const Scene whole = ball_scene(false, {0, 20, 20}, 6.0, false);
@@ -92,7 +101,8 @@ static void cuts() {
           const CutMap map = cut(scene, cut_plane(axis, position), 500, 500, 0.1, workers, nullptr);
           CHECK_NEAR(map.covered * 400.0, pi * (36.0 - offset * offset), 0.01 * pi * 36.0);
           double line = 0.0;
-          for (const auto mark : map.membrane) line += mark;
+          for (const auto mark : map.membrane)
+            line += mark;
           const double drawn = 0.1 * 2.0 * pi * std::sqrt(36.0 - offset * offset);
           CHECK_NEAR(line * 400.0 / (500.0 * 500.0), drawn, 0.05 * drawn);
         }
@@ -107,7 +117,8 @@ static void inverted_surface_is_noticed() {
   Scene scene = empty_scene(true);
   std::vector<Cell> cells(1);
   cells[0].surface = testing::moved(testing::icosphere(3), {10, 10, 10}, 6.0);
-  for (glm::uvec3 &f : cells[0].surface.face) std::swap(f.y, f.z);
+  for (glm::uvec3 &f : cells[0].surface.face)
+    std::swap(f.y, f.z);
   Workers workers(1);
   add_bodies(scene, cells, workers, nullptr);
   const CutMap map = cut(scene, cut_plane(2, 10.0), 200, 200, 0.1, workers, nullptr);
@@ -119,7 +130,8 @@ static void thread_counts() {
   PictureOptions options;
   options.size_px = 200;
   Workers one(1), three(3);
-  CHECK(picture_of_cut(scene, options, one, nullptr).pixel == picture_of_cut(scene, options, three, nullptr).pixel);
+  CHECK(picture_of_cut(scene, options, one, nullptr).pixel ==
+        picture_of_cut(scene, options, three, nullptr).pixel);
   // Three first: a device for one thread limits TBB in the whole process.
   const Image by_three = picture_of_cells(scene, options, three, nullptr);
   CHECK(picture_of_cells(scene, options, one, nullptr).pixel == by_three.pixel);
@@ -130,8 +142,9 @@ static void sizes() {
   PictureOptions options;
   for (const int size : {64, 300}) {
     options.size_px = size;
-    for (const Image &image : {picture_of_cells(ball_scene(true, {10, 10, 10}, 4.0, false), options, workers, nullptr),
-                               picture_of_cut(ball_scene(true, {10, 10, 10}, 4.0, false), options, workers, nullptr)}) {
+    for (const Image &image :
+         {picture_of_cells(ball_scene(true, {10, 10, 10}, 4.0, false), options, workers, nullptr),
+          picture_of_cut(ball_scene(true, {10, 10, 10}, 4.0, false), options, workers, nullptr)}) {
       CHECK_EQUAL(std::max(image.width, image.height), size);
       CHECK_EQUAL(image.pixel.size(), image.width * image.height);
     }
@@ -141,30 +154,41 @@ static void sizes() {
   CHECK_NEAR(scale_bar_um(0.0299), 0.02, 1e-12);
 }
 
-static float distance(const Colour &a, const Colour &b) { return glm::length(a - b); }
+static float distance(const Colour &a, const Colour &b) {
+  return glm::length(a - b);
+}
 
 static void colours() {
-  const std::vector<std::string> classes = {"pyramidal", "pyramidal", "interneuron", "interneuron", "astrocyte", "microglia", "axon", "other"};
+  const std::vector<std::string> classes = {"pyramidal", "pyramidal", "interneuron", "interneuron",
+                                            "astrocyte", "microglia", "axon",        "other"};
   const std::vector<Colour> palette = type_colours(classes);
   for (std::size_t i = 0; i < palette.size(); i++)
-    for (std::size_t j = 0; j < i; j++) CHECK(distance(palette[i], palette[j]) > 0.2f);
+    for (std::size_t j = 0; j < i; j++)
+      CHECK(distance(palette[i], palette[j]) > 0.2f);
   // Classes stay apart for an eye without the red-green channel: compare yellow-blue and lightness only.
-  const auto seen = [](const Colour &c) { return glm::vec2(0.5f * (c.r + c.g) - c.b, 0.3f * c.r + 0.6f * c.g + 0.1f * c.b); };
+  const auto seen = [](const Colour &c) {
+    return glm::vec2(0.5f * (c.r + c.g) - c.b, 0.3f * c.r + 0.6f * c.g + 0.1f * c.b);
+  };
   for (const int i : {0, 2, 4, 5})
     for (const int j : {0, 2, 4, 5})
-      if (i < j) CHECK(glm::length(seen(palette[static_cast<std::size_t>(i)]) - seen(palette[static_cast<std::size_t>(j)])) > 0.08f);
-  for (std::uint64_t id = 0; id < 50; id++) CHECK(distance(cell_colour(palette[0], id), palette[0]) < 0.2f);
+      if (i < j)
+        CHECK(glm::length(seen(palette[static_cast<std::size_t>(i)]) -
+                          seen(palette[static_cast<std::size_t>(j)])) > 0.08f);
+  for (std::uint64_t id = 0; id < 50; id++)
+    CHECK(distance(cell_colour(palette[0], id), palette[0]) < 0.2f);
   CHECK(cell_colour(palette[0], 1) != cell_colour(palette[0], 2));
   const std::vector<Colour> many = type_colours(std::vector<std::string>(30, "astrocyte"));
   CHECK_EQUAL(many.size(), 30);
-  for (int k = 0; k < 3; k++) CHECK_NEAR(to_srgb(to_linear(palette[1]))[k], palette[1][k], 1e-5);
+  for (int k = 0; k < 3; k++)
+    CHECK_NEAR(to_srgb(to_linear(palette[1]))[k], palette[1][k], 1e-5);
 }
 
 static void text() {
   Image image(200, 40, Colour(1.0f));
   draw_text(image, "L2/3 \xC2\xB5m", 5, 30, 20, Colour(0.0f));
   double dark = 0.0;
-  for (const Colour &pixel : image.pixel) dark += 1.0 - pixel.r;
+  for (const Colour &pixel : image.pixel)
+    dark += 1.0 - pixel.r;
   CHECK(dark > 100.0 && dark < 2000.0);
   CHECK(text_width("mm", 10) > text_width("il", 10));
   CHECK_NEAR(text_width("", 10), 0.0, 0.0);
@@ -172,7 +196,9 @@ static void text() {
 }
 
 static void png() {
-  const std::string path = (std::filesystem::temp_directory_path() / ("conceg_render_" + std::to_string(getpid()) + ".png")).string();
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("conceg_render_" + std::to_string(getpid()) + ".png"))
+          .string();
   Image image(30, 20, Colour(1.0f));
   image.at(3, 2) = Colour(1.0f, 0.0f, 0.5f);
   write_png(path, image);

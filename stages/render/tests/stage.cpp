@@ -20,10 +20,12 @@ namespace fs = std::filesystem;
 extern "C" const conceg_stage conceg_stage_render;
 
 static std::string folder;
-static std::string dir_of(const char *name) { return folder + "/" + name; }
+static std::string dir_of(const char *name) {
+  return folder + "/" + name;
+}
 
-static conceg_status run(bool skeleton, bool meshes, const std::vector<std::string> &settings, std::string *error = nullptr,
-                         conceg_progress_fn progress = nullptr) {
+static conceg_status run(bool skeleton, bool meshes, const std::vector<std::string> &settings,
+                         std::string *error = nullptr, conceg_progress_fn progress = nullptr) {
   conceg_ctx *ctx = conceg_ctx_new();
   conceg_doc *doc = nullptr;
   conceg_params *params = nullptr;
@@ -35,14 +37,19 @@ static conceg_status run(bool skeleton, bool meshes, const std::vector<std::stri
   if (skeleton) testing::put_skeleton(doc);
   if (meshes) testing::put_meshes(doc);
   std::vector<std::string> sets = {"render.size_px=240"};
-  for (const std::string &setting : settings) sets.push_back("render." + setting);
+  for (const std::string &setting : settings)
+    sets.push_back("render." + setting);
   std::vector<const char *> pointers;
-  for (const std::string &set : sets) pointers.push_back(set.c_str());
+  for (const std::string &set : sets)
+    pointers.push_back(set.c_str());
   pointers.push_back(nullptr);
-  conceg_status status = conceg_params_new(ctx, &conceg_stage_render, doc, nullptr, pointers.data(), nullptr, &params);
+  conceg_status status =
+      conceg_params_new(ctx, &conceg_stage_render, doc, nullptr, pointers.data(), nullptr, &params);
   if (status == CONCEG_OK) status = conceg_stage_run(ctx, &conceg_stage_render, doc, params);
-  if (error) *error = conceg_ctx_error(ctx);
-  else if (status != CONCEG_OK) std::fprintf(stderr, "%s\n", conceg_ctx_error(ctx));
+  if (error)
+    *error = conceg_ctx_error(ctx);
+  else if (status != CONCEG_OK)
+    std::fprintf(stderr, "%s\n", conceg_ctx_error(ctx));
   conceg_params_free(params);
   CHECK_EQUAL(conceg_doc_close(doc), CONCEG_OK);
   conceg_ctx_free(ctx);
@@ -63,7 +70,8 @@ static void check_picture(const std::string &path, int size) {
   for (int y = 0; y < height; y++)
     for (int x = 0; x < width; x++) {
       int code = 0;
-      for (int k = 0; k < 3; k++) code = 8 * code + static_cast<int>(data->GetScalarComponentAsDouble(x, y, 0, k)) / 32;
+      for (int k = 0; k < 3; k++)
+        code = 8 * code + static_cast<int>(data->GetScalarComponentAsDouble(x, y, 0, k)) / 32;
       colours.insert(code);
     }
   CHECK(colours.size() > 10);
@@ -81,11 +89,14 @@ static void pictures() {
   CHECK(!fs::exists(dir_of("single/cell_0002_cut.png")));
   CHECK_EQUAL(run(true, true, {"dir=" + dir_of("single"), "cells=2", "what=cut", "cut_axis=z"}), CONCEG_OK);
   check_picture(dir_of("single/cell_0002_cut.png"), 240);
-  CHECK_EQUAL(run(false, true, {"dir=" + dir_of("whole"), "whole=true", "samples=1", "elevation_deg=90"}), CONCEG_OK);
+  CHECK_EQUAL(run(false, true, {"dir=" + dir_of("whole"), "whole=true", "samples=1", "elevation_deg=90"}),
+              CONCEG_OK);
   check_picture(dir_of("whole/cells.png"), 240);
 }
 
-static int cancel(void *, const char *, uint64_t, uint64_t) { return 1; }
+static int cancel(void *, const char *, uint64_t, uint64_t) {
+  return 1;
+}
 
 static void bad_input() {
   std::string error;
@@ -104,7 +115,8 @@ static void bad_input() {
   CHECK(error.find("plain") != std::string::npos);
   fs::create_directories(dir_of("blocked/cut.png/x"));
   CHECK_EQUAL(run(true, true, {"dir=" + dir_of("blocked"), "what=cut"}, &error), CONCEG_E_IO);
-  for (const auto &entry : fs::directory_iterator(dir_of("blocked"))) CHECK(entry.path().string().find(".part") == std::string::npos);
+  for (const auto &entry : fs::directory_iterator(dir_of("blocked")))
+    CHECK(entry.path().string().find(".part") == std::string::npos);
 }
 
 int main() {

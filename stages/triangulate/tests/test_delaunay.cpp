@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The network's edges: equal to CGAL's own periodic triangulation, and the same for any tiles, threads and translation.
+// The network's edges: equal to CGAL's own periodic triangulation, and the same for any tiles, threads and
+// translation.
 #include "../circumsphere.hpp"
 #include "../delaunay.hpp"
 #include "../nodes.hpp"
@@ -27,23 +28,28 @@ struct Network {
   std::vector<std::uint64_t> offset;
   std::vector<std::uint32_t> neighbour;
   std::vector<std::int8_t> shift;
-  bool operator==(const Network &o) const { return offset == o.offset && neighbour == o.neighbour && shift == o.shift; }
+  bool operator==(const Network &o) const {
+    return offset == o.offset && neighbour == o.neighbour && shift == o.shift;
+  }
   std::set<Edge> edges() const {
     std::set<Edge> out;
     for (std::size_t i = 0; i + 1 < offset.size(); i++)
       for (std::uint64_t k = offset[i]; k < offset[i + 1]; k++)
-        out.insert({static_cast<std::int64_t>(i), neighbour[k], shift[3 * k], shift[3 * k + 1], shift[3 * k + 2]});
+        out.insert(
+            {static_cast<std::int64_t>(i), neighbour[k], shift[3 * k], shift[3 * k + 1], shift[3 * k + 2]});
     return out;
   }
 };
 
 static conceg_box cube(double side, bool periodic = true) {
   conceg_box box = {};
-  for (int axis = 0; axis < 3; axis++) box.lo[axis] = -1.25, box.hi[axis] = -1.25 + side, box.periodic[axis] = periodic;
+  for (int axis = 0; axis < 3; axis++)
+    box.lo[axis] = -1.25, box.hi[axis] = -1.25 + side, box.periodic[axis] = periodic;
   return box;
 }
 
-static std::vector<glm::dvec3> nodes_of(const conceg_box &box, NodeSet set, double density = 2.0, bool mirrored = false) {
+static std::vector<glm::dvec3> nodes_of(const conceg_box &box, NodeSet set, double density = 2.0,
+                                        bool mirrored = false) {
   Workers workers(1);
   NodeOptions options;
   options.set = set;
@@ -52,8 +58,9 @@ static std::vector<glm::dvec3> nodes_of(const conceg_box &box, NodeSet set, doub
   return make_nodes(box, options, workers, {});
 }
 
-static Network network_of(const conceg_box &box, const std::vector<glm::dvec3> &nodes, double tile, double halo,
-                          unsigned threads, bool mirrored = false, std::uint64_t *widened = nullptr) {
+static Network network_of(const conceg_box &box, const std::vector<glm::dvec3> &nodes, double tile,
+                          double halo, unsigned threads, bool mirrored = false,
+                          std::uint64_t *widened = nullptr) {
   Workers workers(threads);
   Edges edges = delaunay_edges(box, nodes, {tile, halo, mirrored}, workers, {});
   if (widened) *widened = edges.widened;
@@ -61,7 +68,8 @@ static Network network_of(const conceg_box &box, const std::vector<glm::dvec3> &
   network.offset.resize(nodes.size() + 1);
   network.neighbour.resize(edges.count);
   network.shift.resize(3 * edges.count);
-  merge_tiles(std::move(edges), nodes.size(), network.offset.data(), network.neighbour.data(), network.shift.data());
+  merge_tiles(std::move(edges), nodes.size(), network.offset.data(), network.neighbour.data(),
+              network.shift.data());
   return network;
 }
 
@@ -90,7 +98,8 @@ static std::set<Edge> by_periodic_3(const conceg_box &box, const std::vector<glm
         if (i == j) continue;
         const auto a = periodic.periodic_point(cell, i), b = periodic.periodic_point(cell, j);
         const auto node = [&](const auto &p) { return id.at({p.first.x(), p.first.y(), p.first.z()}); };
-        edges.insert({node(a), node(b), b.second[0] - a.second[0], b.second[1] - a.second[1], b.second[2] - a.second[2]});
+        edges.insert({node(a), node(b), b.second[0] - a.second[0], b.second[1] - a.second[1],
+                      b.second[2] - a.second[2]});
       }
   return edges;
 }
@@ -116,7 +125,8 @@ static void test_tiles_and_threads() {
     const auto nodes = nodes_of(box, set);
     const Network whole = network_of(box, nodes, 100, 3, 1);
     for (const double tile : {4.0, 7.0})
-      for (const unsigned threads : {1u, 2u, 3u}) CHECK(whole == network_of(box, nodes, tile, 3, threads));
+      for (const unsigned threads : {1u, 2u, 3u})
+        CHECK(whole == network_of(box, nodes, tile, 3, threads));
     std::uint64_t widened = 0; // a halo that is too thin is noticed and widened, and the edges stay right
     CHECK(whole == network_of(box, nodes, 6, 0.4, 2, false, &widened));
     CHECK(widened > 0);
@@ -135,7 +145,8 @@ static void test_translation() {
   }
   std::set<Edge> expected;
   for (Edge e : network_of(box, nodes, 5, 3, 1).edges()) {
-    for (int axis = 0; axis < 3; axis++) e[2 + axis] += lifts[e[1]][axis] - lifts[e[0]][axis];
+    for (int axis = 0; axis < 3; axis++)
+      e[2 + axis] += lifts[e[1]][axis] - lifts[e[0]][axis];
     expected.insert(e);
   }
   CHECK(expected == network_of(box, moved, 5, 3, 1).edges());
@@ -155,7 +166,8 @@ static void test_small_box() {
   for (int x = 0; x < 4; x++)
     for (int y = 0; y < 4; y++)
       for (int z = 0; z < 4; z++)
-        for (const glm::dvec3 &p : nodes) repeated.push_back(p + glm::dvec3(x, y, z) * 1.5);
+        for (const glm::dvec3 &p : nodes)
+          repeated.push_back(p + glm::dvec3(x, y, z) * 1.5);
   const Network big = network_of(large, repeated, 50, 3, 1);
   CHECK_EQUAL(big.neighbour.size(), 64 * edges.size());
   CHECK(big.edges() == by_periodic_3(large, repeated));
@@ -213,7 +225,8 @@ static void test_circumsphere() {
   const double a[3] = {0, 0, 0}, b[3] = {2, 0, 0}, c[3] = {0, 2, 0}, d[3] = {0, 0, 2}, flat[3] = {2, 2, 0};
   Sphere sphere{};
   CHECK(circumsphere({a, b, c, d}, sphere));
-  for (int axis = 0; axis < 3; axis++) CHECK_NEAR(sphere.center[axis], 1.0, 1e-15);
+  for (int axis = 0; axis < 3; axis++)
+    CHECK_NEAR(sphere.center[axis], 1.0, 1e-15);
   CHECK_NEAR(sphere.radius, std::sqrt(3.0), 1e-15);
   CHECK(!circumsphere({a, b, c, flat}, sphere));
   // One lattice step off the plane of the others: a sphere of 2^17 um and more, not lost in rounding.
@@ -232,7 +245,8 @@ static void test_cancel() {
     Workers workers(threads);
     conceg_status status = CONCEG_OK;
     try {
-      delaunay_edges(box, nodes, {4, 3, false}, workers, [](const char *, std::uint64_t, std::uint64_t) { return false; });
+      delaunay_edges(box, nodes, {4, 3, false}, workers,
+                     [](const char *, std::uint64_t, std::uint64_t) { return false; });
     } catch (const Error &error) {
       status = error.status();
     }

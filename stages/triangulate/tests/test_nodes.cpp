@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Node sets: counts, lattice, blue noise against Poisson noise, faces with their twins, any number of threads.
+// Node sets: counts, lattice, blue noise against Poisson noise, faces with their twins, any number of
+// threads.
 #include "../nodes.hpp"
 
 #include "check.h"
@@ -18,11 +19,13 @@ using namespace conceg::triangulate;
 static conceg_box box_of(double x, double y, double z, bool periodic) {
   conceg_box box = {};
   const double side[3] = {x, y, z};
-  for (int axis = 0; axis < 3; axis++) box.lo[axis] = -3.5, box.hi[axis] = -3.5 + side[axis], box.periodic[axis] = periodic;
+  for (int axis = 0; axis < 3; axis++)
+    box.lo[axis] = -3.5, box.hi[axis] = -3.5 + side[axis], box.periodic[axis] = periodic;
   return box;
 }
 
-static std::vector<glm::dvec3> nodes_of(const conceg_box &box, const NodeOptions &options, unsigned threads = 1) {
+static std::vector<glm::dvec3> nodes_of(const conceg_box &box, const NodeOptions &options,
+                                        unsigned threads = 1) {
   Workers workers(threads);
   return make_nodes(box, options, workers, {});
 }
@@ -64,7 +67,8 @@ static void test_counts_and_noise() {
   const auto uniform = nodes_of(box, options);
   CHECK_EQUAL(uniform.size(), 3456);
   CHECK(sound(box, uniform));
-  // A Poisson process of density 2 has a mean nearest distance of 0.554 rho^(-1/3); an unshifted lattice has 0.866.
+  // A Poisson process of density 2 has a mean nearest distance of 0.554 rho^(-1/3); an unshifted lattice has
+  // 0.866.
   CHECK_NEAR(nearest_mean(box, uniform), 0.55396 / std::cbrt(2.0), 0.01);
   CHECK(nearest_mean(box, bcc) > 0.63);
   options.set = NodeSet::bcc;
@@ -94,14 +98,16 @@ static void test_mirrored_faces() {
   CHECK(sound(box, closed));
   const auto on_faces = [&](const std::vector<glm::dvec3> &nodes) {
     return std::count_if(nodes.begin(), nodes.end(), [&](const glm::dvec3 &p) {
-      return p.x == box.lo[0] || p.y == box.lo[1] || p.z == box.lo[2] || p.x == box.hi[0] || p.y == box.hi[1] || p.z == box.hi[2];
+      return p.x == box.lo[0] || p.y == box.lo[1] || p.z == box.lo[2] || p.x == box.hi[0] ||
+             p.y == box.hi[1] || p.z == box.hi[2];
     });
   };
   // Three pairs of faces of 10 x 10 um at 2^(2/3) um^-2, three groups of edges at 2^(1/3) um^-1, one corner.
   const long face = std::lround(100 * std::pow(2.0, 2.0 / 3)), edge = std::lround(10 * std::cbrt(2.0));
   CHECK_EQUAL(on_faces(closed), 3 * face + 3 * edge + 1);
   CHECK_EQUAL(closed.size(), 2000 + 3 * face + 3 * edge + 1);
-  for (int axis = 0; axis < 3; axis++) box.periodic[axis] = 0;
+  for (int axis = 0; axis < 3; axis++)
+    box.periodic[axis] = 0;
   CHECK_EQUAL(on_faces(nodes_of(box, options)), 6 * face + 12 * edge + 8);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The triangulate stage as the host runs it: a valid network, the same bytes for any threads and tiles, work shared among
-// workers, and one clear line for each wrong document.
+// The triangulate stage as the host runs it: a valid network, the same bytes for any threads and tiles, work
+// shared among workers, and one clear line for each wrong document.
 #include "check.h"
 #include "conceg/run.h"
 #include "view.hpp"
@@ -66,7 +66,8 @@ static std::string run(conceg_ctx *ctx, unsigned threads, std::vector<const char
     const auto offset = view<std::uint64_t>(doc, "/network/edge_offset");
     CHECK_EQUAL(offset.rows(), position.rows() + 1);
     float largest = -100, smallest = 100;
-    for (const float r : radius) largest = std::max(largest, r), smallest = std::min(smallest, r);
+    for (const float r : radius)
+      largest = std::max(largest, r), smallest = std::min(smallest, r);
     CHECK_NEAR(static_cast<double>(largest), 1.0, 1e-6); // 0.5 + 0.02 * 20 and the margin of 0.1
     CHECK(smallest < -3.0f && smallest >= -4.0f);
   }
@@ -83,10 +84,12 @@ static std::string digest_of(conceg_ctx *ctx, unsigned threads, std::vector<cons
 }
 
 // The error line when `damage` was done to the document.
-static void refused(conceg_ctx *ctx, const char *expected, const std::function<void(conceg_doc *)> &damage, std::vector<const char *> sets = {}) {
+static void refused(conceg_ctx *ctx, const char *expected, const std::function<void(conceg_doc *)> &damage,
+                    std::vector<const char *> sets = {}) {
   std::string digest;
   const std::string line = run(ctx, 1, std::move(sets), digest, damage);
-  if (line.find(expected) == std::string::npos) std::fprintf(stderr, "expected \"%s\" in \"%s\"\n", expected, line.c_str());
+  if (line.find(expected) == std::string::npos)
+    std::fprintf(stderr, "expected \"%s\" in \"%s\"\n", expected, line.c_str());
   CHECK(line.find(expected) != std::string::npos);
 }
 
@@ -94,7 +97,8 @@ int main() {
   conceg_ctx *ctx = conceg_ctx_new();
   const std::string one = digest_of(ctx, 1, {});
   CHECK(!one.empty());
-  for (const unsigned threads : {2u, 3u}) CHECK(one == digest_of(ctx, threads, {}));
+  for (const unsigned threads : {2u, 3u})
+    CHECK(one == digest_of(ctx, threads, {}));
   CHECK(one == digest_of(ctx, 2, {"triangulate.tile_um=5"}));
   CHECK(one != digest_of(ctx, 1, {"seed=2"}));
   const std::string paper = digest_of(ctx, 1, {"triangulate.nodes=uniform", "triangulate.faces=mirrored"});
@@ -107,7 +111,9 @@ int main() {
   });
   refused(ctx, "/cells/radius", [](conceg_doc *doc) { put(doc, "/cells/radius", std::vector<float>{4, 4}); });
   refused(ctx, "/bars/taper", [](conceg_doc *doc) { put(doc, "/bars/taper", std::vector<double>()); });
-  refused(ctx, "/cells/soma[0]", [](conceg_doc *doc) { put(doc, "/cells/soma", std::vector<double>{6, NAN, 0}, 3); });
+  refused(ctx, "/cells/soma[0]", [](conceg_doc *doc) {
+    put(doc, "/cells/soma", std::vector<double>{6, NAN, 0}, 3);
+  });
   refused(ctx, "/bars", [](conceg_doc *doc) { must(conceg_doc_drop(doc, "/bars")); });
   refused(ctx, "density_per_um3", {}, {"triangulate.density_per_um3=0"});
   refused(ctx, "jitter", {}, {"triangulate.jitter=0.5"});
