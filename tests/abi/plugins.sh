@@ -14,10 +14,10 @@ export CONCEG_STAGE_PATH
 # A source from a plugin, then stages from plugins.
 expect 0 "" "$conceg" place -p "$t/toy.yaml" -o "$t/toy.cgx"
 expect 0 "" "$conceg" validate "$t/toy.cgx"
-expect 0 "" "$conceg" relax --impl spheres "$t/toy.cgx" -o "$t/spheres.cgx"
+expect 0 "" "$conceg" relax --impl beads "$t/toy.cgx" -o "$t/spheres.cgx"
 expect 0 "" "$conceg" validate "$t/spheres.cgx"
 expect 0 "" "$conceg" dump -g /provenance/implementation "$t/spheres.cgx"
-expect_output '"spheres"'
+expect_output '"beads"'
 expect 0 "" "$conceg" dump -g /spheres "$t/spheres.cgx"
 expect_output '/spheres@made_from text\[2\]: "cells=[0-9a-f]{64}" "skeleton=[0-9a-f]{64}"'
 
@@ -30,11 +30,11 @@ expect 1 "relax \(silent\)" "$conceg" relax --impl silent "$t/toy.cgx" -o "$t/x.
 expect 1 "conceg relax: error: the toy exploded" "$conceg" relax --impl throwing "$t/toy.cgx" -o "$t/x.cgx"
 expect_true "a failed stage leaves no output" test ! -e "$t/x.cgx"
 expect 3 "needs /skeleton, which the document does not have; run conceg grow before it" \
-  sh -c "'$conceg' strip skeleton '$t/toy.cgx' | '$conceg' relax --impl spheres -o '$t/x.cgx'"
+  sh -c "'$conceg' strip skeleton '$t/toy.cgx' | '$conceg' relax --impl beads -o '$t/x.cgx'"
 
 # A second run of what made a group makes its dependents stale: place again drops the spheres of the old skeleton.
-"$conceg" relax --impl spheres "$t/toy.cgx" -o "$t/spheres.cgx"
-expect 0 "" "$conceg" run "$t/toy.yaml" --set 'stages=[place,relax]' --set relax.impl=spheres -o "$t/both.cgx"
+"$conceg" relax --impl beads "$t/toy.cgx" -o "$t/spheres.cgx"
+expect 0 "" "$conceg" run "$t/toy.yaml" --set 'stages=[place,relax]' --set relax.impl=beads -o "$t/both.cgx"
 
 # Refused plugins.
 CONCEG_STAGE_PATH=$bad
@@ -49,8 +49,8 @@ expect_output "cannot be used: .*wrongabi"
 expect 0 "" "$conceg" stages --json
 
 # Search order: the first folder that has the file answers; an empty element is the install folder.
-mkdir "$t/first" && cp "$plugins/libconceg_stage_relax_spheres.so" "$t/first/"
+mkdir "$t/first" && cp "$plugins/libconceg_stage_relax_beads.so" "$t/first/"
 CONCEG_STAGE_PATH=:$t/first:$plugins:$t/missing
 expect 0 "" "$conceg" stages
-expect_output "relax +spheres +1.0.0 +$t/first/"
+expect_output "relax +beads +1.0.0 +$t/first/"
 expect_done

@@ -16,7 +16,7 @@ printf 'conceg: 1\ndomain:\n  size_um: [20, 20, 20]\nplace: {impl: toy}\n' > "$t
 CONCEG_STAGE_PATH=$plugins
 export CONCEG_STAGE_PATH
 "$conceg" place -p "$t/toy.yaml" -o "$t/toy.cgx" || exit 1
-"$conceg" relax --impl spheres "$t/toy.cgx" -o "$t/spheres.cgx" || exit 1
+"$conceg" relax --impl beads "$t/toy.cgx" -o "$t/spheres.cgx" || exit 1
 CONCEG_STAGE_PATH=$t/built
 
 # Another skeleton makes the spheres of the old one stale.

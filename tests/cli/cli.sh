@@ -79,14 +79,14 @@ expect 0 "" "$conceg" dump -g /recipe e.cgx
 expect_true "paths stay out of the document" sh -c "! '$conceg' dump e.cgx | grep -q x.csv"
 
 # Precedence: --set > own -p > /recipe > default; overriding is said and written back.
-printf 'conceg: 1\nrelax: {impl: spheres, radius_um: 3}\n' > own.yaml
+printf 'conceg: 1\nrelax: {impl: beads, radius_um: 3}\n' > own.yaml
 expect 0 "" "$conceg" relax -p own.yaml a.cgx -o f.cgx
 expect 0 "relax.radius_um: 2 overrides 3 of the document's /recipe" "$conceg" relax f.cgx --set relax.radius_um=2 -o g.cgx
 expect 0 "" "$conceg" dump -g /provenance/parameters g.cgx
 expect_output '^  "\{radius_um: 3'
 expect_output '^  "\{radius_um: 2'
 expect 0 "" "$conceg" dump -g /recipe g.cgx
-expect_output 'relax:.n  impl: spheres.n  radius_um: 2'
+expect_output 'relax:.n  impl: beads.n  radius_um: 2'
 expect 2 "relax does not read domain" "$conceg" relax f.cgx --set domain.size_um=[9,9,9] -o x.cgx
 
 # Documents that are not what they should be.
@@ -94,7 +94,7 @@ expect 4 "absent.cgx" "$conceg" info absent.cgx
 expect 3 "" "$conceg" info toy.yaml
 head -c 2000 a.cgx > cut.cgx
 expect 3 "" "$conceg" info cut.cgx
-expect 3 "program before this one wrote nothing" sh -c ": | '$conceg' relax --impl spheres -o x.cgx"
+expect 3 "program before this one wrote nothing" sh -c ": | '$conceg' relax --impl beads -o x.cgx"
 expect 3 "volumes: the document does not have it" "$conceg" strip volumes a.cgx -o x.cgx
 expect 0 "" "$conceg" strip skeleton a.cgx -o s.cgx
 expect 0 "" "$conceg" info s.cgx
@@ -114,7 +114,7 @@ expect 4 "Broken pipe" sh -c "{ '$conceg' place -p toy.yaml; echo \$? > code; } 
 # impl: exec:PROG, only when it is allowed.
 cat > double.sh <<'S'
 #!/bin/sh
-exec conceg relax --impl spheres -q
+exec conceg relax --impl beads -q
 S
 chmod +x double.sh
 printf 'conceg: 1\nstages: [place, relax]\ndomain:\n  size_um: [20, 20, 20]\nplace: {impl: toy}\nrelax: {impl: "exec:./double.sh"}\n' > exec.yaml
@@ -135,7 +135,7 @@ expect 0 "" sh -c "PATH=$t/mine:\$PATH '$conceg' relax a b"
 expect_output "^mine: a b$"
 
 # Checkpoints: resumed bytes = uninterrupted bytes; another recipe is refused.
-printf 'conceg: 1\nstages: [place, relax]\ndomain:\n  size_um: [20, 20, 20]\nplace: {impl: toy}\nrelax: {impl: spheres}\n' > two.yaml
+printf 'conceg: 1\nstages: [place, relax]\ndomain:\n  size_um: [20, 20, 20]\nplace: {impl: toy}\nrelax: {impl: beads}\n' > two.yaml
 expect 0 "" "$conceg" run two.yaml -o whole.cgx --checkpoint saved
 expect_true "a checkpoint per stage" test -f saved/01-place.cgx -a -f saved/02-relax.cgx
 rm saved/02-relax.cgx
@@ -160,7 +160,7 @@ expect_true "SIGTERM ends with exit code 6, got $code" test "$code" -eq 6
 expect_true "one error line" grep -q "error: .*cancel" cancel.log
 expect_true "nothing is left" sh -c "! ls | grep -q never"
 mkfifo silent && { sleep 5 > silent & }
-"$conceg" relax --impl spheres -o never.cgx < silent 2> cancel.log & child=$!
+"$conceg" relax --impl beads -o never.cgx < silent 2> cancel.log & child=$!
 sleep 1
 kill -TERM $child
 wait $child

@@ -23,7 +23,7 @@ on_terminal() {
   fi
 }
 on_terminal 2 "no input: name a .cgx file" "conceg info"
-on_terminal 2 "usage: conceg relax" "conceg relax --impl spheres -o $t/x.cgx"
+on_terminal 2 "usage: conceg relax" "conceg relax --impl beads -o $t/x.cgx"
 on_terminal 2 "standard output is a terminal .*-o FILE" "conceg place -p $t/toy.yaml"
 on_terminal 0 "CGX 1.0" "conceg info $t/toy.cgx"
 expect_true "nothing was written" test ! -e "$t/x.cgx"
