@@ -30,19 +30,19 @@ static conceg_recipe *wrap_root(conceg_node *root) {
 
 static conceg_status parse_text(conceg_ctx *ctx, const char *text, size_t length, const char *name,
                                 conceg_recipe **out) {
-  struct yaml_tree *tree;
+  struct yamltree *tree;
   conceg_recipe *recipe;
-  conceg_status status = yaml_parse(ctx, text, length, name, &tree);
+  conceg_status status = yamltree_parse(ctx, text, length, name, &tree);
   *out = NULL;
   if (status != CONCEG_OK) return status;
-  if (!conceg_node_is_map(yaml_root(tree))) {
-    yaml_free(tree);
+  if (!conceg_node_is_map(yamltree_root(tree))) {
+    yamltree_free(tree);
     return conceg_ctx_fail(ctx, CONCEG_E_FORMAT,
                            "%s:1: expected a recipe (a YAML mapping that begins with conceg: 1), got %s",
                            name, length ? "something else" : "an empty file");
   }
-  recipe = wrap_root(yaml_take_root(tree));
-  yaml_free(tree);
+  recipe = wrap_root(yamltree_take_root(tree));
+  yamltree_free(tree);
   if (!recipe) return no_memory(ctx);
   status = recipe_check(ctx, recipe->root);
   if (status != CONCEG_OK) {
@@ -180,11 +180,11 @@ static const char *put_at(conceg_node *root, char *path, conceg_node *value) {
 }
 
 static conceg_status parse_value(conceg_ctx *ctx, const char *text, conceg_node **out) {
-  struct yaml_tree *tree;
-  const conceg_status status = yaml_parse(ctx, text, strlen(text), "--set", &tree);
+  struct yamltree *tree;
+  const conceg_status status = yamltree_parse(ctx, text, strlen(text), "--set", &tree);
   if (status != CONCEG_OK) return status;
-  *out = yaml_take_root(tree);
-  yaml_free(tree);
+  *out = yamltree_take_root(tree);
+  yamltree_free(tree);
   if (!*out) *out = node_new_scalar("", 0, 0, 0);
   if (!*out) return no_memory(ctx);
   node_set_line(*out, 0);

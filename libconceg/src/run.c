@@ -99,15 +99,15 @@ static conceg_status drop_dependents(conceg_ctx *ctx, const conceg_stage *stage,
 }
 
 static conceg_status drop_stale(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc) {
-  struct yaml_tree *schema;
+  struct yamltree *schema;
   const conceg_node *depends;
   uint32_t i;
-  conceg_status status = yaml_parse(ctx, conceg_schema_yaml, conceg_schema_yaml_size, "schema.yaml", &schema);
+  conceg_status status = yamltree_parse(ctx, conceg_schema_yaml, conceg_schema_yaml_size, "schema.yaml", &schema);
   if (status != CONCEG_OK) return status;
-  depends = conceg_node_get(yaml_root(schema), "depends");
+  depends = conceg_node_get(yamltree_root(schema), "depends");
   for (i = 0; status == CONCEG_OK && stage->writes && stage->writes[i]; i++)
     status = drop_dependents(ctx, stage, doc, depends, group_name(stage->writes[i]), 0);
-  yaml_free(schema);
+  yamltree_free(schema);
   return status;
 }
 

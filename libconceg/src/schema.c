@@ -155,13 +155,13 @@ static void compile(struct compiler *compiler, const conceg_node *root, struct s
 
 conceg_status schema_new(conceg_ctx *ctx, struct schema **out) {
   struct compiler compiler = {.ctx = ctx};
-  struct yaml_tree *tree = NULL;
+  struct yamltree *tree = NULL;
   *out = NULL;
-  compiler.status = yaml_parse(ctx, conceg_schema_yaml, conceg_schema_yaml_size, "schema.yaml", &tree);
+  compiler.status = yamltree_parse(ctx, conceg_schema_yaml, conceg_schema_yaml_size, "schema.yaml", &tree);
   if (compiler.status != CONCEG_OK) return compiler.status;
   struct schema *schema = make_list(&compiler, 1, sizeof *schema);
-  if (schema) compile(&compiler, yaml_root(tree), schema);
-  yaml_free(tree);
+  if (schema) compile(&compiler, yamltree_root(tree), schema);
+  yamltree_free(tree);
   if (compiler.status == CONCEG_OK)
     *out = schema;
   else

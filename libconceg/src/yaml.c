@@ -4,7 +4,7 @@
 
 #include <yaml.h>
 
-struct yaml_tree {
+struct yamltree {
   conceg_node *root;
 };
 
@@ -233,10 +233,10 @@ static conceg_node *read_stream(struct reader *reader) {
   return NULL;
 }
 
-conceg_status yaml_parse(conceg_ctx *ctx, const char *text, size_t length, const char *name,
-                         struct yaml_tree **out) {
+conceg_status yamltree_parse(conceg_ctx *ctx, const char *text, size_t length, const char *name,
+                         struct yamltree **out) {
   struct reader reader;
-  struct yaml_tree *tree;
+  struct yamltree *tree;
   size_t i;
   *out = NULL;
   if (length > YAML_MAX_BYTES)
@@ -262,24 +262,24 @@ conceg_status yaml_parse(conceg_ctx *ctx, const char *text, size_t length, const
     if (!tree->root->file) fail_memory(&reader);
   }
   if (reader.status != CONCEG_OK) {
-    yaml_free(tree);
+    yamltree_free(tree);
     return reader.status;
   }
   *out = tree;
   return CONCEG_OK;
 }
 
-const conceg_node *yaml_root(const struct yaml_tree *tree) {
+const conceg_node *yamltree_root(const struct yamltree *tree) {
   return tree ? tree->root : NULL;
 }
 
-conceg_node *yaml_take_root(struct yaml_tree *tree) {
+conceg_node *yamltree_take_root(struct yamltree *tree) {
   conceg_node *root = tree->root;
   tree->root = NULL;
   return root;
 }
 
-void yaml_free(struct yaml_tree *tree) {
+void yamltree_free(struct yamltree *tree) {
   if (!tree) return;
   node_free(tree->root);
   free(tree);

@@ -28,16 +28,16 @@ struct conceg_node {
   struct conceg_node **child;
 };
 
-struct yaml_tree;
+struct yamltree;
 
 /* Parses one YAML document. E_FORMAT "name:line: ..." for bad syntax, duplicate keys, tags, more than one
  * document, or more depth, nodes or bytes than the bounds. An empty text gives a tree whose root is NULL. */
-conceg_status yaml_parse(conceg_ctx *ctx, const char *text, size_t length, const char *name,
-                         struct yaml_tree **out) CONCEG_NODISCARD;
-const conceg_node *yaml_root(const struct yaml_tree *tree);
-void yaml_free(struct yaml_tree *tree);
+conceg_status yamltree_parse(conceg_ctx *ctx, const char *text, size_t length, const char *name,
+                         struct yamltree **out) CONCEG_NODISCARD;
+const conceg_node *yamltree_root(const struct yamltree *tree);
+void yamltree_free(struct yamltree *tree);
 /* Takes the root away from the tree, to be changed with node_* and freed with node_free. */
-conceg_node *yaml_take_root(struct yaml_tree *tree);
+conceg_node *yamltree_take_root(struct yamltree *tree);
 
 conceg_node *node_new(enum node_kind kind, uint32_t line);
 conceg_node *node_new_scalar(const char *text, size_t length, int quoted, uint32_t line);

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace conceg {
+namespace conceg::characterise {
 namespace {
 
 constexpr int azimuths_tried = 8;
@@ -225,4 +225,4 @@ Astrocyte make_astrocyte(const AstrocyteStatistics &statistics, const AstrocyteR
   return cell;
 }
 
-} // namespace conceg
+} // namespace conceg::characterise

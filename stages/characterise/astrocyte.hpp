@@ -7,7 +7,7 @@
 
 #include <functional>
 
-namespace conceg {
+namespace conceg::characterise {
 
 // Persistence diagrams (birth and death, path length in um) and statistics of one kind of process.
 struct ProcessStatistics {
@@ -55,4 +55,4 @@ struct Astrocyte {
 Astrocyte make_astrocyte(const AstrocyteStatistics &statistics, const AstrocyteRules &rules,
                          std::uint64_t seed, std::uint64_t index);
 
-} // namespace conceg
+} // namespace conceg::characterise

@@ -8,7 +8,7 @@
 #include <locale>
 #include <sstream>
 
-namespace conceg {
+namespace conceg::characterise {
 namespace {
 
 struct Field {
@@ -146,4 +146,4 @@ AstrocyteStatistics parse_astrocyte(const std::string &text, const std::string &
   return Reader(text, name).read();
 }
 
-} // namespace conceg
+} // namespace conceg::characterise

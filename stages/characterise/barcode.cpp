@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "barcode.hpp"
 
-namespace conceg {
+namespace conceg::characterise {
 
 std::vector<Bar> find_bars(const Tree &tree) {
   std::vector<Bar> bars;
@@ -49,4 +49,4 @@ std::vector<Bar> find_bars(const Tree &tree) {
   return bars;
 }
 
-} // namespace conceg
+} // namespace conceg::characterise

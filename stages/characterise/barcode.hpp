@@ -4,7 +4,7 @@
 
 #include "morphology.hpp"
 
-namespace conceg {
+namespace conceg::characterise {
 
 struct Bar {
   double birth = 0.0, death = 0.0; // path length from the first sample, um: fork and tip
@@ -18,4 +18,4 @@ struct Bar {
 // other child starts a bar.
 std::vector<Bar> find_bars(const Tree &tree);
 
-} // namespace conceg
+} // namespace conceg::characterise

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace conceg {
+namespace conceg::characterise {
 namespace {
 
 constexpr double step_um = 1.0;
@@ -90,4 +90,4 @@ Calibre measure_calibre(const std::vector<double> &path, const std::vector<doubl
   return out;
 }
 
-} // namespace conceg
+} // namespace conceg::characterise

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace conceg {
+namespace conceg::characterise {
 
 struct Calibre {
   double radius = 0.0; // length-weighted mean, um
@@ -18,4 +18,4 @@ struct Calibre {
 // `path` ascends; `radius` at those places, > 0.
 Calibre measure_calibre(const std::vector<double> &path, const std::vector<double> &radius);
 
-} // namespace conceg
+} // namespace conceg::characterise

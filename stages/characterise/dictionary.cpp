@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace conceg {
+namespace conceg::characterise {
 namespace {
 
 constexpr double resample_step_um = 1.0, shortest_branch_um = 2.0; // for the straightness
@@ -140,4 +140,4 @@ void add_bar_trees(Dictionary &d, const Donor &donor, double soma_radius, const 
   d.donor_tree_offset.push_back(d.tree_neurite.size());
 }
 
-} // namespace conceg
+} // namespace conceg::characterise

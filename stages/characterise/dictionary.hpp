@@ -7,7 +7,7 @@
 
 #include <string>
 
-namespace conceg {
+namespace conceg::characterise {
 
 struct Dictionary {
   std::vector<std::string> entry_name, entry_class, entry_note;
@@ -69,4 +69,4 @@ struct BarTree {
 void add_bar_trees(Dictionary &dictionary, const Donor &donor, double soma_radius,
                    const std::vector<BarTree> &trees);
 
-} // namespace conceg
+} // namespace conceg::characterise

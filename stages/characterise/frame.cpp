@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace conceg {
+namespace conceg::characterise {
 
 glm::dvec3 apical_axis(const Cell &cell) {
   glm::dvec3 sum(0.0);
@@ -30,4 +30,4 @@ glm::dvec3 rotate(const Rotation &q, const glm::dvec3 &v) {
   return v + q[0] * t + glm::cross(u, t);
 }
 
-} // namespace conceg
+} // namespace conceg::characterise

@@ -6,7 +6,7 @@
 
 #include <array>
 
-namespace conceg {
+namespace conceg::characterise {
 
 // A rotation as a unit quaternion w x y z.
 using Rotation = std::array<double, 4>;
@@ -19,4 +19,4 @@ Rotation rotation_to_z(const glm::dvec3 &axis);
 
 glm::dvec3 rotate(const Rotation &q, const glm::dvec3 &v);
 
-} // namespace conceg
+} // namespace conceg::characterise

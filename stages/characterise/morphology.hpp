@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace conceg {
+namespace conceg::characterise {
 
 // SWC codes of the neurites that a dictionary can hold.
 enum Neurite : int { neurite_axon = 2, neurite_basal = 3, neurite_apical = 4, neurite_glia = 7 };
@@ -64,4 +64,4 @@ inline double cable_length(const Tree &tree) {
   return sum;
 }
 
-} // namespace conceg
+} // namespace conceg::characterise

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace conceg {
+namespace conceg::characterise {
 namespace {
 
 // The nodes that are kept, as a tree; node 0 must be kept, and with a node its parent.
@@ -172,4 +172,4 @@ std::vector<Tree> clean_trees(const Samples &samples, const glm::dvec3 &soma, do
   return trees;
 }
 
-} // namespace conceg
+} // namespace conceg::characterise

@@ -4,7 +4,7 @@
 
 #include "morphology.hpp"
 
-namespace conceg {
+namespace conceg::characterise {
 
 // Neurite samples as a reader gives them: parents before children.
 struct Samples {
@@ -42,4 +42,4 @@ std::size_t remove_twigs(Tree &tree, double length_um, double radius_um);
 // own.
 std::vector<Tree> clip_at_sphere(const Tree &tree, const glm::dvec3 &center, double radius_um);
 
-} // namespace conceg
+} // namespace conceg::characterise

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace conceg {
+namespace conceg::characterise {
 
 std::vector<Section> find_sections(const Tree &tree) {
   std::vector<Section> sections;
@@ -84,4 +84,4 @@ std::vector<double> fork_angles(const Tree &tree) {
   return angles;
 }
 
-} // namespace conceg
+} // namespace conceg::characterise

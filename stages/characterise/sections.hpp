@@ -4,7 +4,7 @@
 
 #include "morphology.hpp"
 
-namespace conceg {
+namespace conceg::characterise {
 
 struct Section {
   std::int64_t parent = -1; // section, -1 = root section
@@ -30,4 +30,4 @@ double angle_between(const glm::dvec3 &a, const glm::dvec3 &b);
 // Local angles of the forks with exactly two daughters, in node order.
 std::vector<double> fork_angles(const Tree &tree);
 
-} // namespace conceg
+} // namespace conceg::characterise

@@ -14,7 +14,7 @@
 #include <memory>
 #include <sstream>
 
-namespace conceg {
+namespace conceg::characterise {
 namespace {
 
 constexpr const char *stage_name = "characterise";
@@ -291,7 +291,7 @@ conceg_status run_stage(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *p
 }
 
 } // namespace
-} // namespace conceg
+} // namespace conceg::characterise
 
 extern "C" CONCEG_EXPORT const conceg_stage conceg_stage_characterise;
 extern "C" const conceg_stage conceg_stage_characterise = {
@@ -302,11 +302,11 @@ extern "C" const conceg_stage conceg_stage_characterise = {
     "1.0.0",
     "real reconstructions (SWC) to a dictionary of barcodes, tip directions, angles and radii",
     "conceg characterise --table data/mouse-visual-cortex.csv --root FOLDER -o dictionary.cgx",
-    conceg::parameters,
-    conceg::nothing,
-    conceg::writes,
-    conceg::nothing,
+    conceg::characterise::parameters,
+    conceg::characterise::nothing,
+    conceg::characterise::writes,
+    conceg::characterise::nothing,
     CONCEG_STAGE_SOURCE | CONCEG_STAGE_ARGUMENTS,
     nullptr,
-    conceg::run_stage,
+    conceg::characterise::run_stage,
 };

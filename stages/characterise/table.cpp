@@ -9,7 +9,7 @@
 #include <set>
 #include <sstream>
 
-namespace conceg {
+namespace conceg::characterise {
 namespace {
 
 const char *const column_names[] = {"file",  "entry",          "class", "donor_id", "fold",
@@ -111,4 +111,4 @@ std::vector<TableRow> parse_table(const std::string &text, const std::string &na
   return rows;
 }
 
-} // namespace conceg
+} // namespace conceg::characterise

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace conceg {
+namespace conceg::characterise {
 
 struct TableRow {
   std::size_t line = 0;
@@ -22,4 +22,4 @@ std::vector<TableRow> parse_table(const std::string &text, const std::string &na
 // Fields of one comma-separated line; "quoted, fields" and "" inside them are understood.
 std::vector<std::string> split_csv(const std::string &line);
 
-} // namespace conceg
+} // namespace conceg::characterise

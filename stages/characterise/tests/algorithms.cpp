@@ -16,6 +16,7 @@
 #include <vector>
 
 using namespace conceg;
+using namespace conceg::characterise;
 
 namespace {
 

@@ -16,6 +16,7 @@
 #include <string>
 
 using namespace conceg;
+using namespace conceg::characterise;
 
 namespace {
 

@@ -14,6 +14,7 @@
 
 extern "C" const conceg_stage conceg_stage_characterise;
 using namespace conceg;
+using namespace conceg::characterise;
 
 namespace {
 
