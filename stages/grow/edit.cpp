@@ -39,7 +39,7 @@ void find_writes(const State &state, Edit &edit) {
 } // namespace
 
 void Edit::clear(std::uint32_t new_bar) {
-  kind = Kind::step, bar = new_bar, keep = 0, settled = 0, finished = false, angle_error = -1.0f;
+  kind = Kind::step, bar = new_bar, keep = 0, settled = 0, finished = false, arrived = false, angle_error = -1.0f;
   tail.clear(), banned.clear(), writes.clear(), reads.clear(), fresh.clear(), freed.clear();
 }
 
@@ -78,6 +78,7 @@ void number_segments(Space &space, Edit &edit) {
 void commit(State &state, Edit &edit) {
   Projection &projection = state.projections[edit.bar];
   Space &space = state.space;
+  if (edit.arrived) projection.attractor = edit.attractor;
   std::vector<Segment> removed;
   for (std::size_t i = std::max<std::size_t>(1, edit.keep); i < projection.chain.size(); i++) {
     if (stays(projection, edit, i)) continue;

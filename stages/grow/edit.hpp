@@ -14,6 +14,8 @@ struct Edit {
   std::vector<Vertex> tail;  // what follows them; segment == none where the segment is new
   std::uint32_t settled = 0; // settled vertices afterwards
   bool finished = false;     // the bar ends here
+  bool arrived = false;      // the attractor is reached: it moves on to `attractor`
+  glm::dvec3 attractor{0.0};
   float angle_error = -1.0f; // start only
   std::vector<std::uint32_t> banned; // nodes not to be tried again
   std::vector<Region> writes, reads; // where the state is changed, and where it was looked at

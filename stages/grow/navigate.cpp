@@ -62,16 +62,22 @@ void find_candidates(const State &state, const Projection &projection, const Tip
   });
 }
 
-glm::dvec3 push_attractor(const glm::dvec3 &attractor, const glm::dvec3 &soma, const glm::dvec3 &tip) {
-  const double near_um = 5.0;
-  const glm::dvec3 line = attractor - soma;
+bool attractor_reached(const glm::dvec3 &attractor, const glm::dvec3 &tip, const glm::dvec3 &heading) {
+  const double near_um = 5.0, past_um = 15.0;
+  const glm::dvec3 gap = attractor - tip;
+  const double square = glm::dot(gap, gap);
+  return square < near_um * near_um || (square < past_um * past_um && glm::dot(gap, heading) < 0.0);
+}
+
+glm::dvec3 chain_heading(const Projection &projection) {
+  const double reach_um = 5.0;
+  const Vertex &tip = projection.chain.back();
+  std::size_t from = projection.chain.size() - 1;
+  while (from > 0 && tip.path - projection.chain[from].path < reach_um) from--;
+  glm::dvec3 line = tip.position - projection.chain[from].position;
+  if (!(glm::dot(line, line) > 1e-12)) line = projection.attractor - tip.position;
   const double length = glm::length(line);
-  if (!(length > 1e-9)) return tip + glm::dvec3(0.0, 0.0, 2.0 * near_um);
-  const glm::dvec3 along = line / length, gap = attractor - tip;
-  if (glm::dot(gap, gap) >= near_um * near_um) return attractor;
-  // The far crossing of the line with a sphere of 2 x 5 um around the tip.
-  const double middle = glm::dot(gap, along), reach = 2.0 * near_um;
-  return attractor + along * (-middle + std::sqrt(middle * middle - glm::dot(gap, gap) + reach * reach));
+  return length > 1e-6 ? line / length : glm::dvec3(0.0, 0.0, 1.0);
 }
 
 double target_radius(const State &state, std::uint32_t bar, double path) {

@@ -34,9 +34,11 @@ glm::dvec3 node_place(const Input &input, std::uint32_t node, const std::int16_t
 void find_candidates(const State &state, const Projection &projection, const Tip &tip, double r_0,
                      const glm::dvec3 &target, std::vector<Candidate> &candidates);
 
-// Attractor as seen from a tip: pushed on along the line from the soma while it is nearer than 5 um, so that no
-// projection circles its target.
-glm::dvec3 push_attractor(const glm::dvec3 &attractor, const glm::dvec3 &soma, const glm::dvec3 &tip);
+// Whether a tip that runs along `heading` (unit) is at its attractor: within 5 um, or just past it (within 15 um).
+bool attractor_reached(const glm::dvec3 &attractor, const glm::dvec3 &tip, const glm::dvec3 &heading);
+
+// Direction (unit) of the last 5 um of a chain; towards the attractor where there is no length yet.
+glm::dvec3 chain_heading(const Projection &projection);
 
 // Target radius of a bar at a path length, and the radius that growth commits at most.
 double target_radius(const State &state, std::uint32_t bar, double path);

@@ -22,6 +22,17 @@ void note_reads(const State &state, const Projection &projection, const std::vec
   edit.reads.push_back({open.lo - want, open.hi + want});
 }
 
+// What the tip grows towards. At its attractor it runs straight on for the length that is left, or it would circle there.
+glm::dvec3 aim(const State &state, const Projection &projection, Edit &edit) {
+  const Vertex &tip = projection.chain.back();
+  const glm::dvec3 heading = chain_heading(projection);
+  if (!attractor_reached(projection.attractor, tip.position, heading)) return projection.attractor;
+  const double beyond_um = 20.0; // farther than the tip gets, so that this attractor is never reached
+  edit.arrived = true;
+  edit.attractor = tip.position + heading * (state.input.bars.asked_end[edit.bar] - tip.path + beyond_um);
+  return edit.attractor;
+}
+
 } // namespace
 
 double edge_radius(const State &state, std::uint32_t bar, const Vertex &from, const Candidate &candidate) {
@@ -40,7 +51,7 @@ void propose(const State &state, std::uint32_t bar, Edit &edit) {
   if (projection.phase == Phase::starting) return propose_start(state, bar, edit);
   const Vertex &last = projection.chain.back();
   const Tip tip{last.position, last.node, {last.lift[0], last.lift[1], last.lift[2]}};
-  const glm::dvec3 target = push_attractor(projection.attractor, state.input.cells.at(projection.cell), tip.position);
+  const glm::dvec3 target = aim(state, projection, edit);
   std::vector<Candidate> candidates;
   find_candidates(state, projection, tip, target_radius(state, bar, last.path), target, candidates);
   std::uint32_t offset = 0;

@@ -100,13 +100,23 @@ void star() {
 }
 
 void attractors() {
-  const glm::dvec3 soma(0, 0, 0);
-  const glm::dvec3 far = push_attractor({20, 0, 0}, soma, {10, 0, 0});
-  CHECK_NEAR(far.x, 20.0, 0.0);
-  const glm::dvec3 near = push_attractor({20, 0, 0}, soma, {18, 3, 0});
-  CHECK_NEAR(glm::distance(near, glm::dvec3(18, 3, 0)), 10.0, 1e-12);
-  CHECK(near.x > 20.0);
-  CHECK_NEAR(near.y, 0.0, 1e-15);
+  const glm::dvec3 attractor(20, 0, 0), ahead(1, 0, 0);
+  CHECK(!attractor_reached(attractor, {10, 0, 0}, ahead));
+  CHECK(attractor_reached(attractor, {16, 2, 0}, ahead));
+  CHECK(attractor_reached(attractor, {24, 8, 0}, ahead));   // missed, and behind the tip
+  CHECK(!attractor_reached(attractor, {24, 8, 0}, -ahead)); // still ahead of the tip
+  CHECK(!attractor_reached(attractor, {40, 8, 0}, ahead));  // so far behind that something else turned the tip away
+  Projection projection;
+  projection.attractor = attractor;
+  for (int i = 0; i <= 8; i++) {
+    Vertex vertex;
+    vertex.position = {i < 3 ? 0.0 : i - 3.0, i < 3 ? i : 3.0, 0.0}; // up for 3 um, then along x for 5 um
+    vertex.path = i;
+    projection.chain.push_back(vertex);
+  }
+  CHECK_NEAR(chain_heading(projection).x, 1.0, 1e-12);
+  projection.chain.resize(1);
+  CHECK_NEAR(chain_heading(projection).x, 1.0, 1e-12);
 }
 
 } // namespace
