@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Same seed, same bytes: pipe or one process, 1, 2 or 3 threads, an old processor or a new one. Another seed: another tissue.
 . "$(dirname -- "$0")/common.sh"
-recipe=$root/tests/pipe/small.yaml
+recipe=$root/$3
 
 check "the pipe runs" pipeline pipe.cgx "$recipe"
 for threads in 1 2 3; do

@@ -1,0 +1,26 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# Other builds of the same sources.  builds.sh SOURCE FOLDER KIND
+#   bare       the library and the programs without any stage, so without any C++ library
+#   sanitized  library, programs and the stages that need no CGAL, VTK or OpenVDB, under ASan and UBSan: their tests
+#   clang      everything by clang 14, warnings as errors, and its unit tests
+set -eu
+source=$1 folder=$2 kind=$3
+stages="CHARACTERISE PLACE TRIANGULATE GROW RELAX MESH ANALYSE EXPORT RENDER"
+without() { for stage; do printf -- '-DCONCEG_STAGE_%s=OFF ' "$stage"; done; }
+case $kind in
+  bare) options="-DCONCEG_TESTS=OFF $(without $stages)" ;;
+  sanitized) options="-DCMAKE_BUILD_TYPE=RelWithDebInfo -DCONCEG_SANITIZE=address,undefined $(without TRIANGULATE MESH EXPORT RENDER)" ;;
+  clang)
+    command -v clang++-14 >/dev/null 2>&1 || { echo "SKIPPED: no clang 14: the sources are not built by it"; exit 77; }
+    options="-DCMAKE_C_COMPILER=clang-14 -DCMAKE_CXX_COMPILER=clang++-14" ;;
+esac
+cmake -S "$source" -B "$folder" -G Ninja $options >"$folder.log" 2>&1 || { tail -n 20 "$folder.log"; exit 1; }
+ninja -C "$folder" >"$folder.log" 2>&1 || { grep -A 8 'error\|FAILED' "$folder.log" | head -n 60; exit 1; }
+"$folder/bin/conceg" --version >/dev/null
+case $kind in
+  bare)
+    if ldd "$folder/bin/conceg" | grep -E 'stdc\+\+|CGAL|vtk|openvdb|embree'; then echo "a C++ library is linked"; exit 1; fi
+    "$folder/bin/conceg" stages ;;
+  *) ctest --test-dir "$folder" -L unit --no-tests=error --output-on-failure ;;
+esac
