@@ -91,6 +91,7 @@ int tool_dump(int argc, char **argv) {
     code = cli_fail(&cli, EXIT_USAGE, "--rows %s: expected a whole number", rows);
   if (code < 0 && cli.words.count == 2) group = cli.words.word[0];
   if (code < 0)
-    code = cli_close_stdout(&cli, dump_file(&cli, cli.words.count ? cli.words.word[cli.words.count - 1] : NULL, group, limit));
+    code = cli_close_stdout(
+        &cli, dump_file(&cli, cli.words.count ? cli.words.word[cli.words.count - 1] : NULL, group, limit));
   return cli_end(&cli, code);
 }

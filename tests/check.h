@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Checks for test programs in C11 and C++17. A failed check prints both values and the program ends with 1 after all checks.
- * Use:  int main(void) { CHECK(a == b); CHECK_NEAR(x, 1.0, 1e-9); return check_done(); }   Exit 77 = skipped, with a reason. */
+ * Checks for test programs in C11 and C++17. A failed check prints both values and the program ends with 1
+ * after all checks. Use:  int main(void) { CHECK(a == b); CHECK_NEAR(x, 1.0, 1e-9); return check_done(); }
+ * Exit 77 = skipped, with a reason. */
 #ifndef CONCEG_TESTS_CHECK_H
 #define CONCEG_TESTS_CHECK_H
 
@@ -14,7 +15,8 @@ static int check_failed_ = 0, check_count_ = 0;
 #define CHECK(condition)                                                                                     \
   do {                                                                                                       \
     check_count_++;                                                                                          \
-    if (!(condition)) check_failed_++, fprintf(stderr, "%s:%d: failed: %s\n", __FILE__, __LINE__, #condition); \
+    if (!(condition))                                                                                        \
+      check_failed_++, fprintf(stderr, "%s:%d: failed: %s\n", __FILE__, __LINE__, #condition);               \
   } while (0)
 
 #define CHECK_EQUAL(got, expected)                                                                           \
@@ -56,7 +58,8 @@ static inline int check_done(void) {
   return check_failed_ || !check_count_;
 }
 
-/* The folder of real cells and goldens: CONCEG_SHARED, else ../shared beside the checkout. NULL when absent. */
+/* The folder of real cells and goldens: CONCEG_SHARED, else ../shared beside the checkout. NULL when absent.
+ */
 static inline const char *check_shared(void) {
   const char *path = getenv("CONCEG_SHARED");
   return path && *path ? path : NULL;

@@ -102,7 +102,8 @@ static conceg_status drop_stale(conceg_ctx *ctx, const conceg_stage *stage, conc
   struct yamltree *schema;
   const conceg_node *depends;
   uint32_t i;
-  conceg_status status = yamltree_parse(ctx, conceg_schema_yaml, conceg_schema_yaml_size, "schema.yaml", &schema);
+  conceg_status status =
+      yamltree_parse(ctx, conceg_schema_yaml, conceg_schema_yaml_size, "schema.yaml", &schema);
   if (status != CONCEG_OK) return status;
   depends = conceg_node_get(yamltree_root(schema), "depends");
   for (i = 0; status == CONCEG_OK && stage->writes && stage->writes[i]; i++)

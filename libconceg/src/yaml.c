@@ -234,7 +234,7 @@ static conceg_node *read_stream(struct reader *reader) {
 }
 
 conceg_status yamltree_parse(conceg_ctx *ctx, const char *text, size_t length, const char *name,
-                         struct yamltree **out) {
+                             struct yamltree **out) {
   struct reader reader;
   struct yamltree *tree;
   size_t i;

@@ -33,7 +33,7 @@ struct yamltree;
 /* Parses one YAML document. E_FORMAT "name:line: ..." for bad syntax, duplicate keys, tags, more than one
  * document, or more depth, nodes or bytes than the bounds. An empty text gives a tree whose root is NULL. */
 conceg_status yamltree_parse(conceg_ctx *ctx, const char *text, size_t length, const char *name,
-                         struct yamltree **out) CONCEG_NODISCARD;
+                             struct yamltree **out) CONCEG_NODISCARD;
 const conceg_node *yamltree_root(const struct yamltree *tree);
 void yamltree_free(struct yamltree *tree);
 /* Takes the root away from the tree, to be changed with node_* and freed with node_free. */

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where C++ exceptions stop: a stage's C entry points run their body inside guard(), which turns them into a status.
+// Where C++ exceptions stop: a stage's C entry points run their body inside guard(), which turns them into a
+// status.
 #pragma once
 
 #include "conceg/ctx.h"

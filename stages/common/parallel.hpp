@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parallel loops over TBB with a fixed number of workers. Bodies must write only what belongs to their index, so that the
-// result does not depend on the number of threads or on the order.
+// Parallel loops with a fixed number of workers. Bodies must write only what belongs to their index,
+// so that the result does not depend on the number of threads or on the order.
 #pragma once
 
 #include "conceg/ctx.h"
 #include "guard.hpp"
-
-#include <tbb/blocked_range.h>
-#include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
-#include <tbb/partitioner.h>
-#include <tbb/task_arena.h>
+#include "team.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -22,45 +17,50 @@
 namespace conceg {
 
 // Workers of one stage run. Counts the items that each worker did; count() hands the numbers to the context.
+// Loops do not nest.
 class Workers {
 public:
-  explicit Workers(unsigned threads)
-      : threads_(std::max(1u, threads)), limit_(tbb::global_control::max_allowed_parallelism, threads_),
-        arena_(static_cast<int>(threads_)), done_(threads_) {}
-  unsigned threads() const { return threads_; }
+  explicit Workers(unsigned threads) : team_(std::max(1u, threads)), done_(team_.size()) {}
+  unsigned threads() const { return team_.size(); }
 
-  // body(index, worker) for every index in [0, count), in blocks of `grain` indices.
+  // body(index, worker) for every index in [0, count); workers take blocks of `grain` indices as they come.
   template <class Body> void loop(std::size_t count, std::size_t grain, Body &&body) {
-    if (threads_ == 1 || count <= grain) {
-      for (std::size_t i = 0; i < count; i++) body(i, 0u);
+    grain = std::max<std::size_t>(1, grain);
+    if (threads() == 1 || count <= grain) {
+      for (std::size_t i = 0; i < count; i++)
+        body(i, 0u);
       done_[0].items += count;
       return;
     }
-    arena_.execute([&] {
-      tbb::parallel_for(
-          tbb::blocked_range<std::size_t>(0, count, std::max<std::size_t>(1, grain)),
-          [&](const tbb::blocked_range<std::size_t> &range) {
-            const auto worker = static_cast<unsigned>(tbb::this_task_arena::current_thread_index());
-            for (std::size_t i = range.begin(); i != range.end(); i++) body(i, worker);
-            done_[worker].items += range.size();
-          },
-          tbb::simple_partitioner());
+    std::atomic<std::size_t> next{0};
+    team_.all([&](unsigned worker) {
+      try {
+        for (std::size_t begin; (begin = next.fetch_add(grain)) < count;) {
+          const std::size_t end = std::min(count, begin + grain);
+          for (std::size_t i = begin; i < end; i++)
+            body(i, worker);
+          done_[worker].items += end - begin;
+        }
+      } catch (...) {
+        next = count; // nobody takes another block
+        throw;
+      }
     });
   }
 
   // Adds the numbers of items done per worker to the context's counter and starts again at 0.
   void count(conceg_ctx *ctx, const char *counter) {
-    for (unsigned worker = 0; worker < threads_; worker++) {
+    for (unsigned worker = 0; worker < threads(); worker++) {
       conceg_ctx_count(ctx, counter, worker, done_[worker].items);
       done_[worker].items = 0;
     }
   }
 
 private:
-  struct alignas(64) Done { std::uint64_t items = 0; };
-  unsigned threads_;
-  tbb::global_control limit_; // lets TBB start more workers than the machine has processors
-  tbb::task_arena arena_;
+  struct alignas(64) Done {
+    std::uint64_t items = 0;
+  };
+  Team team_;
   std::vector<Done> done_;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Typed views of a document's arrays. Reading checks type and row width; a wrong document ends in a clear Error.
+// Typed views of a document's arrays. Reading checks type and row width; a wrong document ends in a clear
+// Error.
 #pragma once
 
 #include "conceg/doc.h"
@@ -50,7 +51,8 @@ template <class T> View<T> view(conceg_doc *doc, const char *path, std::size_t c
     fail(CONCEG_E_FORMAT, "%s: expected type %s, got %s", path, conceg_dtype_name(dtype_of<T>::value),
          conceg_dtype_name(array.dtype));
   std::size_t width = 1;
-  for (std::uint32_t axis = 1; axis < array.rank; axis++) width *= array.shape[axis];
+  for (std::uint32_t axis = 1; axis < array.rank; axis++)
+    width *= array.shape[axis];
   const std::size_t rows = array.rank == 0 ? 1 : array.shape[0];
   if (width != columns) {
     if (array.rank == 1 && rows == columns) return {static_cast<const T *>(array.data), 1, columns};
@@ -63,15 +65,19 @@ inline std::vector<std::string> texts(conceg_doc *doc, const char *path) {
   conceg_array array = {};
   array.size = sizeof array;
   must(conceg_doc_read(doc, path, &array));
-  if (array.dtype != CONCEG_TEXT) fail(CONCEG_E_FORMAT, "%s: expected type text, got %s", path, conceg_dtype_name(array.dtype));
+  if (array.dtype != CONCEG_TEXT)
+    fail(CONCEG_E_FORMAT, "%s: expected type text, got %s", path, conceg_dtype_name(array.dtype));
   const auto *strings = static_cast<const char *const *>(array.data);
   return std::vector<std::string>(strings, strings + conceg_array_count(&array));
 }
 
-inline bool has(const conceg_doc *doc, const char *path) { return conceg_doc_has(doc, path) != 0; }
+inline bool has(const conceg_doc *doc, const char *path) {
+  return conceg_doc_has(doc, path) != 0;
+}
 
 // Writes `rows` rows of `columns` values (columns 1 = a vector). The schema gives the unit.
-template <class T> void put(conceg_doc *doc, const char *path, const T *data, std::size_t rows, std::size_t columns = 1) {
+template <class T>
+void put(conceg_doc *doc, const char *path, const T *data, std::size_t rows, std::size_t columns = 1) {
   conceg_array array = {};
   array.size = sizeof array;
   array.dtype = dtype_of<T>::value;
@@ -81,11 +87,13 @@ template <class T> void put(conceg_doc *doc, const char *path, const T *data, st
   array.data = data;
   must(conceg_doc_write(doc, path, &array));
 }
-template <class T> void put(conceg_doc *doc, const char *path, const std::vector<T> &values, std::size_t columns = 1) {
+template <class T>
+void put(conceg_doc *doc, const char *path, const std::vector<T> &values, std::size_t columns = 1) {
   put(doc, path, values.data(), values.size() / columns, columns);
 }
 // Three-component vectors (glm::dvec3 and the like): N x 3 doubles.
-template <class Vec> auto put3(conceg_doc *doc, const char *path, const std::vector<Vec> &values) -> decltype(void(values[0].x)) {
+template <class Vec>
+auto put3(conceg_doc *doc, const char *path, const std::vector<Vec> &values) -> decltype(void(values[0].x)) {
   using T = std::decay_t<decltype(values[0].x)>;
   static_assert(sizeof(Vec) == 3 * sizeof(T), "a vector of three components");
   put(doc, path, values.empty() ? nullptr : &values[0].x, values.size(), 3);
@@ -99,7 +107,8 @@ template <class T> void put_scalar(conceg_doc *doc, const char *path, T value) {
 }
 inline void put_texts(conceg_doc *doc, const char *path, const std::vector<std::string> &values) {
   std::vector<const char *> strings(values.size());
-  std::transform(values.begin(), values.end(), strings.begin(), [](const std::string &s) { return s.c_str(); });
+  std::transform(values.begin(), values.end(), strings.begin(),
+                 [](const std::string &s) { return s.c_str(); });
   conceg_array array = {};
   array.size = sizeof array;
   array.dtype = CONCEG_TEXT;
@@ -113,7 +122,8 @@ inline void put_texts(conceg_doc *doc, const char *path, const std::vector<std::
 template <class Vec> std::vector<Vec> vec3s(conceg_doc *doc, const char *path) {
   const View<double> v = view<double>(doc, path, 3);
   std::vector<Vec> out(v.rows());
-  for (std::size_t i = 0; i < out.size(); i++) out[i] = Vec(v.row(i)[0], v.row(i)[1], v.row(i)[2]);
+  for (std::size_t i = 0; i < out.size(); i++)
+    out[i] = Vec(v.row(i)[0], v.row(i)[1], v.row(i)[2]);
   return out;
 }
 

@@ -15,19 +15,21 @@ namespace conceg::grow {
 
 namespace {
 
-constexpr double fork_gap_um = 0.5;      // least path between a projection's ends and a fork on it
-constexpr double fork_snap_um = 0.05;    // a fork nearer to a vertex takes its place
-constexpr double postpone_um = 1.0;      // a fork without a free first edge is tried again that much later
-constexpr double exact_cosine = 0.7;     // how near a node must be for the exact direction to be used
+constexpr double fork_gap_um = 0.5;   // least path between a projection's ends and a fork on it
+constexpr double fork_snap_um = 0.05; // a fork nearer to a vertex takes its place
+constexpr double postpone_um = 1.0;   // a fork without a free first edge is tried again that much later
+constexpr double exact_cosine = 0.7;  // how near a node must be for the exact direction to be used
 constexpr double shortest_first_um = 0.5;
 
-// Where a bar is due on a host that stands at `path`: by the hazard ahead of it, else at its start on the line that is there.
+// Where a bar is due on a host that stands at `path`: by the hazard ahead of it, else at its start on the
+// line that is there.
 void schedule(State &state, std::uint32_t bar, std::uint32_t host, double path) {
   Projection &projection = state.projections[bar];
   const Bars &bars = state.input.bars;
   const double ahead = bars.asked_start[bar] - path;
   double due = bars.asked_start[bar];
-  if (ahead > 0.0) due -= early_distance(state.parameters.lambda_per_um, ahead, conceg_rng_exponential(&projection.chance));
+  if (ahead > 0.0)
+    due -= early_distance(state.parameters.lambda_per_um, ahead, conceg_rng_exponential(&projection.chance));
   due = std::min(due, bars.asked_end[host] - fork_gap_um);
   projection.fork_path = std::max(due, state.projections[host].start_path + fork_gap_um);
   projection.host = host;
@@ -43,7 +45,8 @@ struct Place {
 Place place_on(const Projection &host, double path) {
   auto vertex = static_cast<std::uint32_t>(
       std::lower_bound(host.chain.begin() + 1, host.chain.begin() + host.settled, path,
-                       [](const Vertex &v, double p) { return v.path < p; }) - host.chain.begin());
+                       [](const Vertex &v, double p) { return v.path < p; }) -
+      host.chain.begin());
   vertex = std::min(vertex, host.settled - 1);
   const Vertex &to = host.chain[vertex], &from = host.chain[vertex - 1];
   for (const Fork &fork : host.forks)
@@ -65,7 +68,8 @@ double step_probability(double lambda, double path, double initiation) {
   return path >= initiation ? 1.0 : conceg_exp(lambda * (path - initiation));
 }
 
-glm::dvec3 daughter_direction(const glm::dvec3 &heading, const glm::dvec3 &to_attractor, double angle, double azimuth) {
+glm::dvec3 daughter_direction(const glm::dvec3 &heading, const glm::dvec3 &to_attractor, double angle,
+                              double azimuth) {
   glm::dvec3 aside = to_attractor - heading * glm::dot(to_attractor, heading);
   double length = glm::length(aside);
   if (!(length > 1e-6 * glm::length(to_attractor)) || !(length > 0.0)) {
@@ -87,14 +91,16 @@ void propose_start(const State &state, std::uint32_t bar, Edit &edit) {
 
   conceg_rng chance = projection.chance;
   const double azimuth = 6.283185307179586 * conceg_rng_uniform(&chance);
-  const glm::dvec3 direction = daughter_direction(projection.fork_heading, projection.attractor - fork.position,
-                                                  state.input.bars.angle[bar], azimuth);
+  const glm::dvec3 direction = daughter_direction(
+      projection.fork_heading, projection.attractor - fork.position, state.input.bars.angle[bar], azimuth);
   std::vector<Candidate> candidates;
   for (int i = 0; i < 2; i++) {
-    if (projection.fork_nodes[i] == none || (i == 1 && projection.fork_nodes[1] == projection.fork_nodes[0])) continue;
+    if (projection.fork_nodes[i] == none || (i == 1 && projection.fork_nodes[1] == projection.fork_nodes[0]))
+      continue;
     const std::int16_t *lift = projection.fork_lifts[i];
     const Tip tip{fork.position, projection.fork_nodes[i], {lift[0], lift[1], lift[2]}};
-    find_candidates(state, projection, tip, target_radius(state, bar, fork.path), projection.attractor, candidates);
+    find_candidates(state, projection, tip, target_radius(state, bar, fork.path), projection.attractor,
+                    candidates);
   }
   for (Candidate &candidate : candidates)
     candidate.cost = 1.0 - glm::dot(glm::normalize(candidate.position - fork.position), direction);
@@ -104,16 +110,19 @@ void propose_start(const State &state, std::uint32_t bar, Edit &edit) {
   for (const Candidate &candidate : candidates) {
     Candidate used = candidate;
     double radius = -1.0;
-    if (state.parameters.smoothing > 0.0 && state.parameters.occupancy == Occupancy::capsule && candidate.cost < 1.0 - exact_cosine) {
+    if (state.parameters.smoothing > 0.0 && state.parameters.occupancy == Occupancy::capsule &&
+        candidate.cost < 1.0 - exact_cosine) {
       const double length = std::max(glm::distance(fork.position, candidate.position), shortest_first_um);
       used.position = fork.position + length * direction;
       radius = edge_radius(state, bar, fork, used);
     }
-    if (radius < state.parameters.r_min_um) used = candidate, radius = edge_radius(state, bar, fork, candidate);
+    if (radius < state.parameters.r_min_um)
+      used = candidate, radius = edge_radius(state, bar, fork, candidate);
     if (radius < state.parameters.r_min_um) continue;
     Vertex first;
     first.position = used.position, first.node = used.node, first.radius = static_cast<float>(radius);
-    for (int a = 0; a < 3; a++) first.lift[a] = used.lift[a];
+    for (int a = 0; a < 3; a++)
+      first.lift[a] = used.lift[a];
     first.path = fork.path + glm::distance(fork.position, used.position);
     edit.kind = Edit::Kind::start;
     edit.angle_error = static_cast<float>(
@@ -148,7 +157,9 @@ std::vector<std::uint32_t> due_bars(State &state, std::uint32_t host, std::uint3
       for (std::uint32_t i = std::max(1u, first_settled); i < carrier.settled; i++) {
         const double path = carrier.chain[i].path;
         if (path > state.input.bars.asked_end[host] - fork_gap_um) break;
-        if (conceg_rng_uniform(&projection.chance) >= step_probability(state.parameters.lambda_per_um, path, initiation)) continue;
+        if (conceg_rng_uniform(&projection.chance) >=
+            step_probability(state.parameters.lambda_per_um, path, initiation))
+          continue;
         projection.fork_path = path;
         due.push_back(bar);
         break;
@@ -185,7 +196,8 @@ bool open_fork(State &state, std::uint32_t bar) {
   projection.chain.assign(1, start);
   projection.settled = 1;
   projection.fork_nodes[0] = to.node, projection.fork_nodes[1] = from.node;
-  for (int a = 0; a < 3; a++) projection.fork_lifts[0][a] = to.lift[a], projection.fork_lifts[1][a] = from.lift[a];
+  for (int a = 0; a < 3; a++)
+    projection.fork_lifts[0][a] = to.lift[a], projection.fork_lifts[1][a] = from.lift[a];
   projection.phase = Phase::starting;
   host.forks.push_back({bar, place.vertex, place.position, place.path});
   return true;
@@ -194,8 +206,9 @@ bool open_fork(State &state, std::uint32_t bar) {
 bool postpone_fork(State &state, std::uint32_t bar) {
   Projection &projection = state.projections[bar];
   Projection &host = state.projections[projection.host];
-  host.forks.erase(std::remove_if(host.forks.begin(), host.forks.end(), [&](const Fork &fork) { return fork.bar == bar; }),
-                   host.forks.end());
+  host.forks.erase(
+      std::remove_if(host.forks.begin(), host.forks.end(), [&](const Fork &fork) { return fork.bar == bar; }),
+      host.forks.end());
   projection.chain.clear();
   projection.settled = 0;
   projection.banned.clear();
@@ -211,14 +224,17 @@ std::uint32_t find_host(const State &state, std::uint32_t bar) {
   const Projection &projection = state.projections[bar];
   std::uint32_t best = none;
   double best_cost = 0.0;
-  for (std::uint64_t row = bars.cell_offset[projection.cell]; row < bars.cell_offset[projection.cell + 1]; row++) {
+  for (std::uint64_t row = bars.cell_offset[projection.cell]; row < bars.cell_offset[projection.cell + 1];
+       row++) {
     const auto host = static_cast<std::uint32_t>(row);
     const Projection &carrier = state.projections[host];
-    if (host == bar || carrier.tree != projection.tree || bars.asked_end[host] < bars.asked_end[bar]) continue;
+    if (host == bar || carrier.tree != projection.tree || bars.asked_end[host] < bars.asked_end[bar])
+      continue;
     if (carrier.phase != Phase::growing && carrier.phase != Phase::done) continue;
     const double least = carrier.start_path + fork_gap_um;
     if (least + fork_gap_um > bars.asked_end[bar]) continue;
-    // The parent bar's own projection first; then where the start can be kept, best ahead of a tip that comes to it.
+    // The parent bar's own projection first; then where the start can be kept, best ahead of a tip that comes
+    // to it.
     const double late = std::max(0.0, least - bars.asked_start[bar]);
     const double ahead = bars.asked_start[bar] - carrier.chain.back().path;
     const double cost = host == projection.parent ? -1.0 : 1e3 * late + (ahead >= 0.0 ? ahead : 1e2 - ahead);
@@ -236,7 +252,8 @@ void give_to_host(State &state, std::uint32_t bar, std::uint32_t host) {
 bool may_find_host(const State &state, std::uint32_t bar) {
   const Bars &bars = state.input.bars;
   const Projection &projection = state.projections[bar];
-  for (std::uint64_t row = bars.cell_offset[projection.cell]; row < bars.cell_offset[projection.cell + 1]; row++) {
+  for (std::uint64_t row = bars.cell_offset[projection.cell]; row < bars.cell_offset[projection.cell + 1];
+       row++) {
     const Projection &other = state.projections[row];
     if (row == bar || other.tree != projection.tree || bars.asked_end[row] < bars.asked_end[bar]) continue;
     if (other.phase == Phase::starting) return true;

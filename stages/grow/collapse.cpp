@@ -15,7 +15,8 @@ constexpr std::size_t banned_nodes = 3;
 std::uint32_t least_kept(const Projection &projection) {
   // A root keeps its first edge too, so that it does not lose its place on the soma.
   std::uint32_t least = projection.host == none ? 2 : 1;
-  for (const Fork &fork : projection.forks) least = std::max(least, fork.vertex + 1);
+  for (const Fork &fork : projection.forks)
+    least = std::max(least, fork.vertex + 1);
   return least;
 }
 
@@ -35,8 +36,10 @@ void propose_collapse(const State &state, std::uint32_t bar, Edit &edit) {
   const double back_to = chain.back().path - (projection.collapses + 1) * state.parameters.collapse_um;
   const std::uint32_t least = least_kept(projection);
   auto keep = static_cast<std::uint32_t>(chain.size());
-  while (keep > least && chain[keep - 1].path > back_to) keep--;
-  for (std::size_t i = chain.size(); i > least && edit.banned.size() < banned_nodes; i--) edit.banned.push_back(chain[i - 1].node);
+  while (keep > least && chain[keep - 1].path > back_to)
+    keep--;
+  for (std::size_t i = chain.size(); i > least && edit.banned.size() < banned_nodes; i--)
+    edit.banned.push_back(chain[i - 1].node);
   edit_cut(state, keep, edit);
 }
 

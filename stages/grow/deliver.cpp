@@ -21,19 +21,21 @@ public:
   void write() {
     const auto last_bar = state_.input.bars.cell_offset[state_.projections[first_bar_].cell + 1];
     for (std::uint64_t bar = first_bar_; bar < last_bar; bar++)
-      if (state_.projections[bar].parent == none && state_.projections[bar].chain.size() > 1) write_tree(static_cast<std::uint32_t>(bar));
+      if (state_.projections[bar].parent == none && state_.projections[bar].chain.size() > 1)
+        write_tree(static_cast<std::uint32_t>(bar));
   }
 
 private:
   struct Branch {
     std::uint32_t bar;
-    std::int64_t from;        // point at which it starts
-    std::uint32_t continues;  // branch that it carries on, or none
+    std::int64_t from;       // point at which it starts
+    std::uint32_t continues; // branch that it carries on, or none
   };
 
   void write_tree(std::uint32_t root) {
     const Projection &projection = state_.projections[root];
-    emit(root, projection.chain[0].position, projection.chain[0].path, projection.chain[1].radius, -1, branches_);
+    emit(root, projection.chain[0].position, projection.chain[0].path, projection.chain[1].radius, -1,
+         branches_);
     std::vector<Branch> open = {{root, count() - 1, branches_++}};
     while (!open.empty()) {
       const Branch next = open.back();
@@ -48,10 +50,13 @@ private:
     std::vector<Fork> forks;
     for (const Fork &fork : projection.forks)
       if (state_.projections[fork.bar].chain.size() > 1) forks.push_back(fork);
-    std::sort(forks.begin(), forks.end(), [](const Fork &x, const Fork &y) { return x.path < y.path || (x.path == y.path && x.bar < y.bar); });
+    std::sort(forks.begin(), forks.end(), [](const Fork &x, const Fork &y) {
+      return x.path < y.path || (x.path == y.path && x.bar < y.bar);
+    });
     // A bar that ended at its last fork leaves one daughter there to carry its branch on.
     const double tip = projection.chain.back().path;
-    const bool carried_on = forks.size() > 0 && forks.back().path >= tip && (forks.size() < 2 || forks[forks.size() - 2].path < tip);
+    const bool carried_on = forks.size() > 0 && forks.back().path >= tip &&
+                            (forks.size() < 2 || forks[forks.size() - 2].path < tip);
     std::uint32_t branch = start.continues != none ? start.continues : branches_++;
     std::int64_t parent = start.from;
     std::size_t next = 0;
@@ -89,11 +94,13 @@ private:
 
   void set_status(std::size_t row) {
     // Radii follow the taper at path lengths that settling changes a little: 2 % is no constriction.
-    const double wanted = std::max(state_.parameters.radius_fraction * skeleton_.target_radius[row], state_.parameters.r_min_um);
+    const double wanted = std::max(state_.parameters.radius_fraction * skeleton_.target_radius[row],
+                                   state_.parameters.r_min_um);
     skeleton_.status[row] = skeleton_.radius[row] < 0.98 * wanted;
   }
 
-  std::int64_t emit(std::uint32_t bar, const glm::dvec3 &position, double path, float radius, std::int64_t parent, std::uint32_t branch) {
+  std::int64_t emit(std::uint32_t bar, const glm::dvec3 &position, double path, float radius,
+                    std::int64_t parent, std::uint32_t branch) {
     const Projection &projection = state_.projections[bar];
     skeleton_.position.push_back(position);
     skeleton_.radius.push_back(std::min(radius, static_cast<float>(wanted_radius(state_, bar, path))));
@@ -145,7 +152,8 @@ BarReport deliver_bars(const State &state) {
     report.state[bar] = projection.phase == Phase::done ? bar_done : bar_short;
     if (projection.host == projection.parent) continue;
     report.state[bar] = bar_handed;
-    report.handed_to[bar] = static_cast<std::int64_t>(projection.host - state.input.bars.cell_offset[projection.cell]);
+    report.handed_to[bar] =
+        static_cast<std::int64_t>(projection.host - state.input.bars.cell_offset[projection.cell]);
   }
   return report;
 }
@@ -165,11 +173,13 @@ Measures measure(const State &state, const Skeleton &skeleton) {
       if (skeleton.parent[i] < 0) continue;
       const std::size_t parent = first + static_cast<std::size_t>(skeleton.parent[i]);
       const double length = glm::distance(skeleton.position[i], skeleton.position[parent]);
-      if (skeleton.parent[parent] < 0 || skeleton.branch[parent] != skeleton.branch[i]) start = parent, path = 0.0;
+      if (skeleton.parent[parent] < 0 || skeleton.branch[parent] != skeleton.branch[i])
+        start = parent, path = 0.0;
       path += length;
       measures.cable_um += length;
       measures.volume_committed_um3 += cone_volume(length, skeleton.radius[parent], skeleton.radius[i]);
-      measures.volume_target_um3 += cone_volume(length, skeleton.target_radius[parent], skeleton.target_radius[i]);
+      measures.volume_target_um3 +=
+          cone_volume(length, skeleton.target_radius[parent], skeleton.target_radius[i]);
       const bool ends = i + 1 == last || skeleton.branch[i + 1] != skeleton.branch[i];
       if (!ends || path < 2.0) continue;
       sum += glm::distance(skeleton.position[i], skeleton.position[start]) / path;

@@ -30,7 +30,7 @@ BarReport deliver_bars(const State &state);
 
 struct Measures {
   double cable_um = 0.0;
-  double straightness = 0.0;        // mean over branches longer than 2 um, as delivered
+  double straightness = 0.0;         // mean over branches longer than 2 um, as delivered
   double volume_committed_um3 = 0.0; // somas and round cones at the committed radii
   double volume_target_um3 = 0.0;    // the same at the target radii
 };

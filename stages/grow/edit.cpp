@@ -39,17 +39,20 @@ void find_writes(const State &state, Edit &edit) {
 } // namespace
 
 void Edit::clear(std::uint32_t new_bar) {
-  kind = Kind::step, bar = new_bar, keep = 0, settled = 0, finished = false, arrived = false, angle_error = -1.0f;
+  kind = Kind::step, bar = new_bar, keep = 0, settled = 0, finished = false, arrived = false,
+  angle_error = -1.0f;
   tail.clear(), banned.clear(), writes.clear(), reads.clear(), fresh.clear(), freed.clear();
 }
 
-Segment segment_at(const State &state, std::uint32_t bar, const std::vector<Vertex> &line, std::size_t index) {
+Segment segment_at(const State &state, std::uint32_t bar, const std::vector<Vertex> &line,
+                   std::size_t index) {
   const Vertex &from = line[index - 1], &to = line[index];
-  return make_segment(state.input.box, from.position, to.position, to.radius, state.projections[bar].cell, bar,
-                      0.5 * (from.path + to.path));
+  return make_segment(state.input.box, from.position, to.position, to.radius, state.projections[bar].cell,
+                      bar, 0.5 * (from.path + to.path));
 }
 
-void edit_from_line(const State &state, const std::vector<Vertex> &line, std::uint32_t offset, std::uint32_t settled, Edit &edit) {
+void edit_from_line(const State &state, const std::vector<Vertex> &line, std::uint32_t offset,
+                    std::uint32_t settled, Edit &edit) {
   edit.keep = state.projections[edit.bar].settled;
   edit.settled = settled;
   edit.tail.assign(line.begin() + (edit.keep - offset), line.end());

@@ -16,10 +16,11 @@ struct Edit {
   bool finished = false;     // the bar ends here
   bool arrived = false;      // the attractor is reached: it moves on to `attractor`
   glm::dvec3 attractor{0.0};
-  float angle_error = -1.0f; // start only
+  float angle_error = -1.0f;         // start only
   std::vector<std::uint32_t> banned; // nodes not to be tried again
   std::vector<Region> writes, reads; // where the state is changed, and where it was looked at
-  std::vector<std::uint32_t> fresh, freed; // segment numbers given before, and to be returned after the commit
+  std::vector<std::uint32_t> fresh,
+      freed; // segment numbers given before, and to be returned after the commit
   void clear(std::uint32_t new_bar);
 };
 
@@ -27,7 +28,8 @@ struct Edit {
 Segment segment_at(const State &state, std::uint32_t bar, const std::vector<Vertex> &line, std::size_t index);
 
 // Turns a changed copy of the chain from vertex `offset` on into the edit's tail, settled up to `settled`.
-void edit_from_line(const State &state, const std::vector<Vertex> &line, std::uint32_t offset, std::uint32_t settled, Edit &edit);
+void edit_from_line(const State &state, const std::vector<Vertex> &line, std::uint32_t offset,
+                    std::uint32_t settled, Edit &edit);
 // Keeps only the first `keep` vertices.
 void edit_cut(const State &state, std::uint32_t keep, Edit &edit);
 

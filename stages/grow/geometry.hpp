@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Distances between points and segments. A segment is given by its middle and half of its vector. Lengths in um.
+// Distances between points and segments. A segment is given by its middle and half of its vector. Lengths in
+// um.
 #pragma once
 
 #include <glm/geometric.hpp>
@@ -10,7 +11,8 @@
 
 namespace conceg::grow {
 
-inline double point_segment_distance(const glm::dvec3 &point, const glm::dvec3 &middle, const glm::dvec3 &half) {
+inline double point_segment_distance(const glm::dvec3 &point, const glm::dvec3 &middle,
+                                     const glm::dvec3 &half) {
   const glm::dvec3 w = point - middle;
   const double square = glm::dot(half, half);
   const double s = square > 0.0 ? std::clamp(glm::dot(w, half) / square, -1.0, 1.0) : 0.0;
@@ -19,7 +21,8 @@ inline double point_segment_distance(const glm::dvec3 &point, const glm::dvec3 &
 }
 
 // Distance of two segments; `between` = middle of the first minus middle of the second.
-inline double segment_segment_distance(const glm::dvec3 &between, const glm::dvec3 &half1, const glm::dvec3 &half2) {
+inline double segment_segment_distance(const glm::dvec3 &between, const glm::dvec3 &half1,
+                                       const glm::dvec3 &half2) {
   const double a = glm::dot(half1, half1), b = glm::dot(half1, half2), c = glm::dot(half2, half2);
   const double d = glm::dot(half1, between), e = glm::dot(half2, between);
   const double determinant = a * c - b * b;

@@ -36,7 +36,8 @@ public:
     for (;;) {
       choose_tips();
       if (tips_.empty()) break;
-      if (summary_.rounds % 64 == 0) report(progress, "grow", static_cast<std::uint64_t>(grown_), static_cast<std::uint64_t>(asked));
+      if (summary_.rounds % 64 == 0)
+        report(progress, "grow", static_cast<std::uint64_t>(grown_), static_cast<std::uint64_t>(asked));
       summary_.rounds++;
       round();
     }
@@ -67,14 +68,16 @@ private:
   void choose_tips() {
     tips_.clear();
     std::size_t working = 0;
-    for (const auto &tips : tips_of_) working += !tips.empty();
+    for (const auto &tips : tips_of_)
+      working += !tips.empty();
     if (working == 0) return;
     const std::size_t share = (least_tips + working - 1) / working;
     for (std::size_t cell = 0; cell < tips_of_.size(); cell++) {
       const std::vector<std::uint32_t> &tips = tips_of_[cell];
       if (tips.empty()) continue;
       const std::size_t number = std::min(share, tips.size());
-      for (std::size_t i = 0; i < number; i++) tips_.push_back(tips[(next_tip_[cell] + i) % tips.size()]);
+      for (std::size_t i = 0; i < number; i++)
+        tips_.push_back(tips[(next_tip_[cell] + i) % tips.size()]);
       next_tip_[cell] = (next_tip_[cell] + number) % tips.size();
     }
   }
@@ -93,17 +96,19 @@ private:
       commit(state_, edits_[accepted_[i]]);
       summary_.steps_by_worker[worker]++;
     });
-    for (std::size_t i = 0; i < accepted_.size(); i++) follow(edits_[accepted_[i]], tip_before_[i], settled_before_[i]);
+    for (std::size_t i = 0; i < accepted_.size(); i++)
+      follow(edits_[accepted_[i]], tip_before_[i], settled_before_[i]);
     tip_before_.clear(), settled_before_.clear();
   }
 
-  // Deterministic reservations: in the order of a priority drawn for this round, a step is accepted when it writes nothing that
-  // an accepted one reads or writes, and reads nothing that an accepted one writes.
+  // Deterministic reservations: in the order of a priority drawn for this round, a step is accepted when it
+  // writes nothing that an accepted one reads or writes, and reads nothing that an accepted one writes.
   void reserve() {
     order_.resize(tips_.size());
     for (std::size_t i = 0; i < tips_.size(); i++) {
       const std::uint64_t cell = state_.input.cells.id[state_.projections[tips_[i]].cell];
-      const std::uint64_t key = conceg_rng_mix(state_.input.seed ^ conceg_rng_mix(summary_.rounds ^ conceg_rng_mix(cell)));
+      const std::uint64_t key =
+          conceg_rng_mix(state_.input.seed ^ conceg_rng_mix(summary_.rounds ^ conceg_rng_mix(cell)));
       order_[i] = {conceg_rng_mix(key ^ tips_[i]), i};
     }
     std::sort(order_.begin(), order_.end());
@@ -114,15 +119,19 @@ private:
       const Edit &edit = edits_[i];
       bool free = true;
       for (const Region &region : edit.writes)
-        if (free) for_grid_cells(grid, region, [&](std::size_t cell) { free &= written_[cell] != stamp && read_[cell] != stamp; });
+        if (free)
+          for_grid_cells(grid, region,
+                         [&](std::size_t cell) { free &= written_[cell] != stamp && read_[cell] != stamp; });
       for (const Region &region : edit.reads)
         if (free) for_grid_cells(grid, region, [&](std::size_t cell) { free &= written_[cell] != stamp; });
       if (!free) {
         summary_.deferred++;
         continue;
       }
-      for (const Region &region : edit.writes) for_grid_cells(grid, region, [&](std::size_t cell) { written_[cell] = stamp; });
-      for (const Region &region : edit.reads) for_grid_cells(grid, region, [&](std::size_t cell) { read_[cell] = stamp; });
+      for (const Region &region : edit.writes)
+        for_grid_cells(grid, region, [&](std::size_t cell) { written_[cell] = stamp; });
+      for (const Region &region : edit.reads)
+        for_grid_cells(grid, region, [&](std::size_t cell) { read_[cell] = stamp; });
       accepted_.push_back(i);
     }
     std::sort(accepted_.begin(), accepted_.end());
@@ -143,8 +152,10 @@ private:
       if (projection.chain.size() == 1) projection.phase = Phase::starting;
       return;
     case Edit::Kind::start_failed:
-      if (!postpone_fork(state_, edit.bar)) end(edit.bar, Phase::lost);
-      else wait_again(edit.bar);
+      if (!postpone_fork(state_, edit.bar))
+        end(edit.bar, Phase::lost);
+      else
+        wait_again(edit.bar);
       return;
     case Edit::Kind::start:
       projection.angle_error = edit.angle_error;
@@ -152,18 +163,23 @@ private:
       retry_orphans(projection.cell);
       break;
     case Edit::Kind::step:
-    case Edit::Kind::end: break;
+    case Edit::Kind::end:
+      break;
     }
     note_progress(projection);
     fire_forks(edit.bar, settled_before);
-    if (edit.finished) end(edit.bar, Phase::done);
-    else if (edit.kind == Edit::Kind::end) end(edit.bar, Phase::cut_short);
+    if (edit.finished)
+      end(edit.bar, Phase::done);
+    else if (edit.kind == Edit::Kind::end)
+      end(edit.bar, Phase::cut_short);
   }
 
   void fire_forks(std::uint32_t host, std::uint32_t settled_before) {
     for (const std::uint32_t bar : due_bars(state_, host, settled_before)) {
-      if (open_fork(state_, bar)) tips_of_[state_.projections[bar].cell].push_back(bar);
-      else end(bar, Phase::lost);
+      if (open_fork(state_, bar))
+        tips_of_[state_.projections[bar].cell].push_back(bar);
+      else
+        end(bar, Phase::lost);
     }
   }
 
@@ -172,8 +188,10 @@ private:
     leave_rota(bar);
     Projection &host = state_.projections[state_.projections[bar].host];
     host.waiting.push_back(bar);
-    if (host.phase == Phase::done) fire_forks(state_.projections[bar].host, host.settled);
-    else if (host.phase != Phase::growing && host.phase != Phase::starting) orphan_waiting(state_.projections[bar].host);
+    if (host.phase == Phase::done)
+      fire_forks(state_.projections[bar].host, host.settled);
+    else if (host.phase != Phase::growing && host.phase != Phase::starting)
+      orphan_waiting(state_.projections[bar].host);
     retry_orphans(state_.projections[bar].cell);
   }
 
@@ -206,8 +224,10 @@ private:
     std::vector<std::uint32_t> waiting;
     waiting.swap(state_.projections[bar].waiting);
     for (const std::uint32_t child : state_.children[bar])
-      if (state_.projections[child].phase == Phase::waiting && state_.projections[child].host == none) waiting.push_back(child);
-    for (const std::uint32_t child : waiting) make_orphan(child);
+      if (state_.projections[child].phase == Phase::waiting && state_.projections[child].host == none)
+        waiting.push_back(child);
+    for (const std::uint32_t child : waiting)
+      make_orphan(child);
   }
 
   // Gives each orphan of a cell to a host, keeps it while one may still come, or declares it lost.
@@ -220,7 +240,8 @@ private:
         const std::uint32_t host = find_host(state_, bar);
         if (host != none) {
           give_to_host(state_, bar, host);
-          if (state_.projections[host].phase == Phase::done) fire_forks(host, state_.projections[host].settled);
+          if (state_.projections[host].phase == Phase::done)
+            fire_forks(host, state_.projections[host].settled);
         } else if (may_find_host(state_, bar)) {
           orphans_[cell].push_back(bar);
         } else {
@@ -234,7 +255,8 @@ private:
 
   void lose_the_rest() {
     for (Projection &projection : state_.projections)
-      if (projection.phase == Phase::waiting || projection.phase == Phase::orphan || projection.phase == Phase::starting)
+      if (projection.phase == Phase::waiting || projection.phase == Phase::orphan ||
+          projection.phase == Phase::starting)
         projection.phase = Phase::lost;
   }
 
@@ -242,7 +264,8 @@ private:
     double sum = 0.0;
     std::uint64_t number = 0;
     for (const Projection &projection : state_.projections) {
-      const bool handed = projection.host != none && projection.host != projection.parent && projection.chain.size() > 1;
+      const bool handed =
+          projection.host != none && projection.host != projection.parent && projection.chain.size() > 1;
       summary_.handed += handed;
       summary_.done += !handed && projection.phase == Phase::done;
       summary_.cut_short += !handed && projection.phase == Phase::cut_short;
@@ -278,8 +301,10 @@ void make_projections(State &state) {
     for (std::uint64_t row = first; row < bars.cell_offset[cell + 1]; row++) {
       Projection &projection = state.projections[row];
       projection.cell = cell, projection.tree = bars.tree[row];
-      projection.attractor = {bars.attractor[3 * row], bars.attractor[3 * row + 1], bars.attractor[3 * row + 2]};
-      projection.chance = conceg_rng_stream(input.seed, "grow.fork", conceg_rng_mix(input.cells.id[cell]) + (row - first));
+      projection.attractor = {bars.attractor[3 * row], bars.attractor[3 * row + 1],
+                              bars.attractor[3 * row + 2]};
+      projection.chance =
+          conceg_rng_stream(input.seed, "grow.fork", conceg_rng_mix(input.cells.id[cell]) + (row - first));
       if (bars.parent[row] < 0) continue;
       projection.parent = static_cast<std::uint32_t>(first + static_cast<std::uint64_t>(bars.parent[row]));
       state.children[projection.parent].push_back(static_cast<std::uint32_t>(row));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Synthetic growth: rounds in which each working cell offers one step of one of its projections (more when few cells work);
-// steps that would see each other are put off to a later round, so a round equals its steps one after another.
+// Synthetic growth: rounds in which each working cell offers one step of one of its projections (more when
+// few cells work); steps that would see each other are put off to a later round, so a round equals its steps
+// one after another.
 #pragma once
 
 #include "parallel.hpp"

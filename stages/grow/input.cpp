@@ -13,24 +13,29 @@ namespace {
 constexpr double least_side_um = 8.0; // nearest images must be unique for what one step looks at
 
 void same_rows(const char *path, std::size_t got, const char *other, std::size_t expected) {
-  if (got != expected) fail(CONCEG_E_FORMAT, "%s: expected %zu rows as in %s, got %zu", path, expected, other, got);
+  if (got != expected)
+    fail(CONCEG_E_FORMAT, "%s: expected %zu rows as in %s, got %zu", path, expected, other, got);
 }
 
 // A row of offsets: starts at 0, ascends, ends at `end`.
 View<std::uint64_t> offsets(conceg_doc *doc, const char *path, std::size_t rows, std::size_t end) {
   const View<std::uint64_t> offset = view<std::uint64_t>(doc, path);
-  if (offset.rows() != rows + 1) fail(CONCEG_E_FORMAT, "%s: expected %zu values, got %zu", path, rows + 1, offset.rows());
-  if (offset[0] != 0) fail(CONCEG_E_RANGE, "%s[0]: expected 0, got %llu", path, static_cast<unsigned long long>(offset[0]));
+  if (offset.rows() != rows + 1)
+    fail(CONCEG_E_FORMAT, "%s: expected %zu values, got %zu", path, rows + 1, offset.rows());
+  if (offset[0] != 0)
+    fail(CONCEG_E_RANGE, "%s[0]: expected 0, got %llu", path, static_cast<unsigned long long>(offset[0]));
   for (std::size_t i = 0; i < rows; i++)
     if (offset[i + 1] < offset[i]) fail(CONCEG_E_RANGE, "%s[%zu]: expected ascending offsets", path, i + 1);
   if (offset[rows] != end)
-    fail(CONCEG_E_RANGE, "%s[%zu]: expected %zu, got %llu", path, rows, end, static_cast<unsigned long long>(offset[rows]));
+    fail(CONCEG_E_RANGE, "%s[%zu]: expected %zu, got %llu", path, rows, end,
+         static_cast<unsigned long long>(offset[rows]));
   return offset;
 }
 
 void all_finite(const char *path, const double *values, std::size_t count) {
   for (std::size_t i = 0; i < count; i++)
-    if (!std::isfinite(values[i])) fail(CONCEG_E_RANGE, "%s[%zu]: expected a finite number, got %g", path, i, values[i]);
+    if (!std::isfinite(values[i]))
+      fail(CONCEG_E_RANGE, "%s[%zu]: expected a finite number, got %g", path, i, values[i]);
 }
 
 // One column of /bars: as many rows as there are bars, finite.
@@ -46,7 +51,8 @@ void read_box(conceg_doc *doc, Input &input) {
   for (int a = 0; a < 3; a++) {
     const double side = conceg_box_side(&input.box, a);
     if (!(side >= least_side_um) || !(side < 1e5))
-      fail(CONCEG_E_RANGE, "/domain: expected a side of %g um to 100 mm on axis %d, got %g um", least_side_um, a, side);
+      fail(CONCEG_E_RANGE, "/domain: expected a side of %g um to 100 mm on axis %d, got %g um", least_side_um,
+           a, side);
   }
 }
 
@@ -54,13 +60,16 @@ void read_network(conceg_doc *doc, Input &input) {
   Network &network = input.network;
   const View<double> position = view<double>(doc, "/network/position", 3);
   network.nodes = position.rows(), network.position = position.data();
-  if (network.nodes == 0) fail(CONCEG_E_RANGE, "/network/position: expected at least one node; run conceg triangulate again");
-  if (network.nodes >= none) fail(CONCEG_E_RANGE, "/network/position: expected fewer than 2^32 - 1 nodes, got %zu", network.nodes);
+  if (network.nodes == 0)
+    fail(CONCEG_E_RANGE, "/network/position: expected at least one node; run conceg triangulate again");
+  if (network.nodes >= none)
+    fail(CONCEG_E_RANGE, "/network/position: expected fewer than 2^32 - 1 nodes, got %zu", network.nodes);
   all_finite("/network/position", network.position, 3 * network.nodes);
   for (std::size_t i = 0; i < 3 * network.nodes; i++) {
     const int a = static_cast<int>(i % 3);
     if (network.position[i] < input.box.lo[a] || network.position[i] > input.box.hi[a])
-      fail(CONCEG_E_RANGE, "/network/position[%zu]: expected a node in the box, got %g on axis %d", i / 3, network.position[i], a);
+      fail(CONCEG_E_RANGE, "/network/position[%zu]: expected a node in the box, got %g on axis %d", i / 3,
+           network.position[i], a);
   }
   const View<float> radius = view<float>(doc, "/network/radius");
   same_rows("/network/radius", radius.rows(), "/network/position", network.nodes);
@@ -70,7 +79,9 @@ void read_network(conceg_doc *doc, Input &input) {
   const View<std::uint32_t> edge = view<std::uint32_t>(doc, "/network/edge");
   network.edge = edge.data();
   for (std::size_t i = 0; i < edge.rows(); i++)
-    if (edge[i] >= network.nodes) fail(CONCEG_E_RANGE, "/network/edge[%zu]: expected a node below %zu, got %u", i, network.nodes, edge[i]);
+    if (edge[i] >= network.nodes)
+      fail(CONCEG_E_RANGE, "/network/edge[%zu]: expected a node below %zu, got %u", i, network.nodes,
+           edge[i]);
   network.edge_offset = offsets(doc, "/network/edge_offset", network.nodes, edge.rows()).data();
   if (has(doc, "/network/edge_shift")) {
     const View<std::int8_t> shift = view<std::int8_t>(doc, "/network/edge_shift", 3);
@@ -78,7 +89,8 @@ void read_network(conceg_doc *doc, Input &input) {
     network.edge_shift = shift.data();
     for (std::size_t i = 0; i < 3 * shift.rows(); i++)
       if (shift[i] && !input.box.periodic[i % 3])
-        fail(CONCEG_E_RANGE, "/network/edge_shift[%zu]: expected 0 on the open axis %zu, got %d", i / 3, i % 3, shift[i]);
+        fail(CONCEG_E_RANGE, "/network/edge_shift[%zu]: expected 0 on the open axis %zu, got %d", i / 3,
+             i % 3, shift[i]);
   }
 }
 
@@ -93,14 +105,17 @@ void read_cells(conceg_doc *doc, Input &input) {
   all_finite("/cells/soma", cells.soma, 3 * cells.count);
   for (std::size_t i = 0; i < cells.count; i++) {
     if (!(cells.radius[i] >= 0.0f && cells.radius[i] < 1e4f))
-      fail(CONCEG_E_RANGE, "/cells/radius[%zu]: expected 0 or a soma radius in um, got %g", i, static_cast<double>(cells.radius[i]));
+      fail(CONCEG_E_RANGE, "/cells/radius[%zu]: expected 0 or a soma radius in um, got %g", i,
+           static_cast<double>(cells.radius[i]));
     for (int a = 0; a < 3; a++)
       if (cells.soma[3 * i + a] < input.box.lo[a] || cells.soma[3 * i + a] > input.box.hi[a])
-        fail(CONCEG_E_RANGE, "/cells/soma[%zu]: expected a soma in the box, got %g on axis %d", i, cells.soma[3 * i + a], a);
+        fail(CONCEG_E_RANGE, "/cells/soma[%zu]: expected a soma in the box, got %g on axis %d", i,
+             cells.soma[3 * i + a], a);
   }
 }
 
-// Roots first: each tree of a cell has one root bar, and a parent stands before its children in the same tree.
+// Roots first: each tree of a cell has one root bar, and a parent stands before its children in the same
+// tree.
 void check_family(const Bars &bars, std::size_t cell) {
   const std::uint64_t first = bars.cell_offset[cell], rows = bars.cell_offset[cell + 1] - first;
   std::vector<std::uint8_t> rooted;
@@ -108,15 +123,18 @@ void check_family(const Bars &bars, std::size_t cell) {
     const std::uint64_t bar = first + row;
     const std::int64_t parent = bars.parent[bar];
     const std::uint32_t tree = bars.tree[bar];
-    if (tree >= rows) fail(CONCEG_E_RANGE, "/bars/tree[%llu]: expected less than the cell's %llu bars, got %u",
-                           static_cast<unsigned long long>(bar), static_cast<unsigned long long>(rows), tree);
+    if (tree >= rows)
+      fail(CONCEG_E_RANGE, "/bars/tree[%llu]: expected less than the cell's %llu bars, got %u",
+           static_cast<unsigned long long>(bar), static_cast<unsigned long long>(rows), tree);
     if (parent < -1 || parent >= static_cast<std::int64_t>(row) ||
         (parent >= 0 && bars.tree[first + static_cast<std::uint64_t>(parent)] != tree))
       fail(CONCEG_E_RANGE, "/bars/parent[%llu]: expected -1 or an earlier row of the same tree, got %lld",
            static_cast<unsigned long long>(bar), static_cast<long long>(parent));
     if (rooted.size() <= tree) rooted.resize(tree + 1, 0);
     if (parent >= 0) continue;
-    if (rooted[tree]) fail(CONCEG_E_RANGE, "/bars/parent[%llu]: expected one root bar in tree %u, got a second one", static_cast<unsigned long long>(bar), tree);
+    if (rooted[tree])
+      fail(CONCEG_E_RANGE, "/bars/parent[%llu]: expected one root bar in tree %u, got a second one",
+           static_cast<unsigned long long>(bar), tree);
     rooted[tree] = 1;
   }
 }
@@ -133,17 +151,23 @@ void read_bars(conceg_doc *doc, Input &input) {
   same_rows("/bars/parent", parent.rows(), "/bars/tree", count);
   same_rows("/bars/neurite", neurite.rows(), "/bars/tree", count);
   bars.parent = parent.data(), bars.neurite = neurite.data();
-  bars.asked_start = column(doc, "/bars/asked_start", count), bars.asked_end = column(doc, "/bars/asked_end", count);
+  bars.asked_start = column(doc, "/bars/asked_start", count),
+  bars.asked_end = column(doc, "/bars/asked_end", count);
   bars.attractor = column(doc, "/bars/attractor", count, 3), bars.angle = column(doc, "/bars/angle", count);
   bars.radius = column(doc, "/bars/radius", count), bars.taper = column(doc, "/bars/taper", count);
   bars.radius_floor = column(doc, "/bars/radius_floor", count);
   for (std::size_t i = 0; i < count; i++) {
     if (!(bars.asked_start[i] >= 0.0 && bars.asked_end[i] > bars.asked_start[i] && bars.asked_end[i] < 1e5))
-      fail(CONCEG_E_RANGE, "/bars/asked_end[%zu]: expected 0 <= start < end < 100 mm, got %g and %g um", i, bars.asked_start[i], bars.asked_end[i]);
-    if (!(bars.radius[i] > 0.0 && bars.radius[i] < 100.0 && bars.radius_floor[i] > 0.0 && bars.radius_floor[i] < 100.0))
-      fail(CONCEG_E_RANGE, "/bars/radius[%zu]: expected a radius and floor above 0 and below 100 um, got %g and %g", i, bars.radius[i], bars.radius_floor[i]);
+      fail(CONCEG_E_RANGE, "/bars/asked_end[%zu]: expected 0 <= start < end < 100 mm, got %g and %g um", i,
+           bars.asked_start[i], bars.asked_end[i]);
+    if (!(bars.radius[i] > 0.0 && bars.radius[i] < 100.0 && bars.radius_floor[i] > 0.0 &&
+          bars.radius_floor[i] < 100.0))
+      fail(CONCEG_E_RANGE,
+           "/bars/radius[%zu]: expected a radius and floor above 0 and below 100 um, got %g and %g", i,
+           bars.radius[i], bars.radius_floor[i]);
   }
-  for (std::size_t cell = 0; cell < input.cells.count; cell++) check_family(bars, cell);
+  for (std::size_t cell = 0; cell < input.cells.count; cell++)
+    check_family(bars, cell);
 }
 
 } // namespace

@@ -18,7 +18,9 @@ double attractor_cost(const glm::dvec3 &s, const glm::dvec3 &c, const glm::dvec3
   return 0.5 * (length_factor ? length / (1.0 + length) : 1.0) * (1.0 - cosine);
 }
 
-double radius_cost(double r_0, double r_c) { return std::max(0.0, (r_0 - r_c) / r_0); }
+double radius_cost(double r_0, double r_c) {
+  return std::max(0.0, (r_0 - r_c) / r_0);
+}
 
 glm::dvec3 node_place(const Input &input, std::uint32_t node, const std::int16_t lift[3]) {
   glm::dvec3 place = input.network.at(node);
@@ -39,16 +41,20 @@ void find_candidates(const State &state, const Projection &projection, const Tip
     if (state.space.mark[candidate.node] == projection.cell) continue;
     const double allowed = allowed_radius(state.space.field[candidate.node], projection.cell);
     if (allowed < parameters.r_min_um) continue;
-    if (std::find(projection.banned.begin(), projection.banned.end(), candidate.node) != projection.banned.end()) continue;
+    if (std::find(projection.banned.begin(), projection.banned.end(), candidate.node) !=
+        projection.banned.end())
+      continue;
     for (int a = 0; a < 3; a++)
-      candidate.lift[a] = static_cast<std::int16_t>(tip.lift[a] + (network.edge_shift ? network.edge_shift[3 * e + a] : 0));
+      candidate.lift[a] =
+          static_cast<std::int16_t>(tip.lift[a] + (network.edge_shift ? network.edge_shift[3 * e + a] : 0));
     candidate.position = node_place(state.input, candidate.node, candidate.lift);
     const glm::dvec3 step = candidate.position - tip.position;
     const double square = glm::dot(step, step);
     if (square > parameters.max_edge_um * parameters.max_edge_um || square < 1e-6) continue;
     // The field does not limit a cell by itself: keep out of the own soma here.
     glm::dvec3 from_soma = candidate.position - soma;
-    for (int a = 0; a < 3; a++) from_soma[a] = conceg_box_nearest(&state.input.box, a, from_soma[a]);
+    for (int a = 0; a < 3; a++)
+      from_soma[a] = conceg_box_nearest(&state.input.box, a, from_soma[a]);
     const double keep = soma_radius + parameters.r_min_um;
     if (soma_radius > 0.0 && glm::dot(from_soma, from_soma) < keep * keep) continue;
     const bool free = allowed >= state.space.reach;
@@ -73,7 +79,8 @@ glm::dvec3 chain_heading(const Projection &projection) {
   const double reach_um = 5.0;
   const Vertex &tip = projection.chain.back();
   std::size_t from = projection.chain.size() - 1;
-  while (from > 0 && tip.path - projection.chain[from].path < reach_um) from--;
+  while (from > 0 && tip.path - projection.chain[from].path < reach_um)
+    from--;
   glm::dvec3 line = tip.position - projection.chain[from].position;
   if (!(glm::dot(line, line) > 1e-12)) line = projection.attractor - tip.position;
   const double length = glm::length(line);
@@ -88,7 +95,8 @@ double target_radius(const State &state, std::uint32_t bar, double path) {
 }
 
 double wanted_radius(const State &state, std::uint32_t bar, double path) {
-  return std::max(state.parameters.radius_fraction * target_radius(state, bar, path), state.parameters.r_min_um);
+  return std::max(state.parameters.radius_fraction * target_radius(state, bar, path),
+                  state.parameters.r_min_um);
 }
 
 double wanted_radius(const State &state, std::uint32_t bar, double path_from, double path_to) {

@@ -29,12 +29,13 @@ struct Candidate {
 // Unwrapped place of a node's image.
 glm::dvec3 node_place(const Input &input, std::uint32_t node, const std::int16_t lift[3]);
 
-// Viable candidates of a tip, cheapest first (ties: lower node): edges of the network that are not longer than the cap,
-// r_c >= r_min, not used by the cell itself, not banned, not inside the cell's own soma.
+// Viable candidates of a tip, cheapest first (ties: lower node): edges of the network that are not longer
+// than the cap, r_c >= r_min, not used by the cell itself, not banned, not inside the cell's own soma.
 void find_candidates(const State &state, const Projection &projection, const Tip &tip, double r_0,
                      const glm::dvec3 &target, std::vector<Candidate> &candidates);
 
-// Whether a tip that runs along `heading` (unit) is at its attractor: within 5 um, or just past it (within 15 um).
+// Whether a tip that runs along `heading` (unit) is at its attractor: within 5 um, or just past it (within 15
+// um).
 bool attractor_reached(const glm::dvec3 &attractor, const glm::dvec3 &tip, const glm::dvec3 &heading);
 
 // Direction (unit) of the last 5 um of a chain; towards the attractor where there is no length yet.

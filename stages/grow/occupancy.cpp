@@ -14,9 +14,13 @@ constexpr double grid_step_um = 1.0;
 constexpr double contact_margin_um = 1e-6; // far above rounding, far below anything seen
 constexpr double largest_reach_um = 1.0;   // of the field when capsules decide exactly
 
-glm::dvec3 half_of(const Segment &segment) { return glm::dvec3(segment.half); }
+glm::dvec3 half_of(const Segment &segment) {
+  return glm::dvec3(segment.half);
+}
 
-Region region_around(const glm::dvec3 &point, double margin) { return {point - margin, point + margin}; }
+Region region_around(const glm::dvec3 &point, double margin) {
+  return {point - margin, point + margin};
+}
 
 // The image of the difference d nearest to zero, and how many sides were taken off.
 glm::dvec3 nearest_image(const conceg_box &box, glm::dvec3 d, int taken[3]) {
@@ -32,7 +36,9 @@ glm::dvec3 nearest_image(const conceg_box &box, glm::dvec3 d, int taken[3]) {
 }
 
 // Two nearest owners: by distance, then by owner, so that the order of insertion does not matter.
-bool nearer(float d1, std::uint32_t o1, float d2, std::uint32_t o2) { return d1 < d2 || (d1 == d2 && o1 < o2); }
+bool nearer(float d1, std::uint32_t o1, float d2, std::uint32_t o2) {
+  return d1 < d2 || (d1 == d2 && o1 < o2);
+}
 
 void insert_owner(NodeField &field, float distance, std::uint32_t owner) {
   if (field.owner1 == owner) {
@@ -60,7 +66,8 @@ NodeField empty_field(const Space &space, std::uint32_t node) {
   const auto reach = static_cast<float>(space.reach);
   NodeField field{reach, reach, none, none};
   // What nobody owns limits every cell: it stands on both places.
-  if (!space.obstacle.empty() && space.obstacle[node] < reach) field.distance1 = field.distance2 = space.obstacle[node];
+  if (!space.obstacle.empty() && space.obstacle[node] < reach)
+    field.distance1 = field.distance2 = space.obstacle[node];
   return field;
 }
 
@@ -79,14 +86,17 @@ void bucket_nodes(Space &space, const Network &network) {
   space.node_offset.assign(space.grid.cells() + 1, 0);
   for (std::uint32_t node = 0; node < network.nodes; node++) {
     std::uint32_t cell = 0;
-    for_grid_cells(space.grid, region_around(network.at(node), 0.0), [&](std::size_t c) { cell = static_cast<std::uint32_t>(c); });
+    for_grid_cells(space.grid, region_around(network.at(node), 0.0),
+                   [&](std::size_t c) { cell = static_cast<std::uint32_t>(c); });
     cell_of[node] = cell;
     space.node_offset[cell + 1]++;
   }
-  for (std::size_t cell = 0; cell < space.grid.cells(); cell++) space.node_offset[cell + 1] += space.node_offset[cell];
+  for (std::size_t cell = 0; cell < space.grid.cells(); cell++)
+    space.node_offset[cell + 1] += space.node_offset[cell];
   space.node_list.resize(network.nodes);
   std::vector<std::uint64_t> next(space.node_offset.begin(), space.node_offset.end() - 1);
-  for (std::uint32_t node = 0; node < network.nodes; node++) space.node_list[next[cell_of[node]]++] = node;
+  for (std::uint32_t node = 0; node < network.nodes; node++)
+    space.node_list[next[cell_of[node]]++] = node;
 }
 
 void place_somas(State &state) {
@@ -108,7 +118,8 @@ void find_obstacles(State &state) {
   const Network &network = state.input.network;
   Space &space = state.space;
   float cap = 0.0f;
-  for (std::size_t node = 0; node < network.nodes; node++) cap = std::max(cap, network.radius[node]);
+  for (std::size_t node = 0; node < network.nodes; node++)
+    cap = std::max(cap, network.radius[node]);
   const float reach = static_cast<float>(space.reach), tolerance = 1e-3f;
   for (std::uint32_t node = 0; node < network.nodes; node++) {
     const float radius = network.radius[node];
@@ -117,7 +128,8 @@ void find_obstacles(State &state) {
     space.obstacle[node] = radius;
   }
   if (space.obstacle.empty()) return;
-  for (std::uint32_t node = 0; node < network.nodes; node++) space.field[node] = fresh_field(state.input, space, node);
+  for (std::uint32_t node = 0; node < network.nodes; node++)
+    space.field[node] = fresh_field(state.input, space, node);
 }
 
 // Room left around a segment beside its own soma, which it may leave but not enter again.
@@ -127,8 +139,8 @@ bool clear_of_own_soma(double distance, double path, double need) {
 
 } // namespace
 
-Segment make_segment(const conceg_box &box, const glm::dvec3 &a, const glm::dvec3 &b, double radius, std::uint32_t cell,
-                     std::uint32_t bar, double path_middle) {
+Segment make_segment(const conceg_box &box, const glm::dvec3 &a, const glm::dvec3 &b, double radius,
+                     std::uint32_t cell, std::uint32_t bar, double path_middle) {
   Segment segment;
   const glm::dvec3 middle = 0.5 * (a + b);
   segment.half = glm::vec3(0.5 * (b - a));
@@ -150,7 +162,8 @@ Region region_of(const Segment &segment, double margin) {
 }
 
 void insert_capsule(Space &space, std::uint32_t id) {
-  for_grid_cells(space.grid, region_of(space.segments[id], 0.0), [&](std::size_t cell) { space.segment_list[cell].push_back(id); });
+  for_grid_cells(space.grid, region_of(space.segments[id], 0.0),
+                 [&](std::size_t cell) { space.segment_list[cell].push_back(id); });
 }
 
 void remove_capsule(Space &space, std::uint32_t id) {
@@ -208,12 +221,14 @@ void restore_field(const Input &input, Space &space, const std::vector<Segment> 
   }
 }
 
-double tree_distance(const State &state, std::uint32_t bar1, double path1, std::uint32_t bar2, double path2, double limit) {
+double tree_distance(const State &state, std::uint32_t bar1, double path1, std::uint32_t bar2, double path2,
+                     double limit) {
   const auto &projections = state.projections;
   if (projections[bar1].tree != projections[bar2].tree) return std::numeric_limits<double>::infinity();
   const auto depth_of = [&](std::uint32_t bar) {
     int depth = 0;
-    while (projections[bar].host != none) bar = projections[bar].host, depth++;
+    while (projections[bar].host != none)
+      bar = projections[bar].host, depth++;
     return depth;
   };
   int depth1 = depth_of(bar1), depth2 = depth_of(bar2);
@@ -224,8 +239,10 @@ double tree_distance(const State &state, std::uint32_t bar1, double path1, std::
   };
   while (bar1 != bar2 && distance <= limit) {
     if (depth1 == 0 && depth2 == 0) return std::numeric_limits<double>::infinity();
-    if (depth1 >= depth2) climb(bar1, path1, depth1);
-    else climb(bar2, path2, depth2);
+    if (depth1 >= depth2)
+      climb(bar1, path1, depth1);
+    else
+      climb(bar2, path2, depth2);
   }
   return distance + (bar1 == bar2 ? std::fabs(path1 - path2) : 0.0);
 }
@@ -246,7 +263,8 @@ double clearance(const State &state, const Segment &segment, double want, double
     if (distance >= room + contact_margin_um) return;
     if (other.cell == segment.cell) {
       bool same_image = true;
-      for (int a = 0; a < 3; a++) same_image &= segment.lift[a] - taken[a] == other.lift[a];
+      for (int a = 0; a < 3; a++)
+        same_image &= segment.lift[a] - taken[a] == other.lift[a];
       if (same_image && other.bar == none) {
         if (!clear_of_own_soma(distance, segment.path - segment.half_length, need)) blocked = true;
         return;
@@ -275,16 +293,19 @@ void make_space(State &state) {
   double largest = state.parameters.r_min_um;
   for (std::size_t bar = 0; bar < bars.count; bar++) {
     const double half_span = 0.5 * (bars.asked_end[bar] - bars.asked_start[bar]);
-    largest = std::max({largest, bars.radius[bar] + std::fabs(bars.taper[bar]) * half_span, bars.radius_floor[bar]});
+    largest = std::max(
+        {largest, bars.radius[bar] + std::fabs(bars.taper[bar]) * half_span, bars.radius_floor[bar]});
   }
   // With nodes alone deciding, the field must know every radius that a process can have.
-  space.reach = state.parameters.occupancy == Occupancy::nodes ? largest : std::min(largest, largest_reach_um);
+  space.reach =
+      state.parameters.occupancy == Occupancy::nodes ? largest : std::min(largest, largest_reach_um);
   make_grid(space, state.input.box);
   space.segment_list.assign(space.grid.cells(), {});
   bucket_nodes(space, state.input.network);
   space.mark.assign(state.input.network.nodes, none);
   space.field.resize(state.input.network.nodes);
-  for (std::uint32_t node = 0; node < state.input.network.nodes; node++) space.field[node] = empty_field(space, node);
+  for (std::uint32_t node = 0; node < state.input.network.nodes; node++)
+    space.field[node] = empty_field(space, node);
   place_somas(state);
   find_obstacles(state);
 }

@@ -33,8 +33,8 @@ template <class Visit> void for_grid_cells(const Grid &grid, const Region &regio
 }
 
 // The segment from a to b (unwrapped) of one bar, moved into the box.
-Segment make_segment(const conceg_box &box, const glm::dvec3 &a, const glm::dvec3 &b, double radius, std::uint32_t cell,
-                     std::uint32_t bar, double path_middle);
+Segment make_segment(const conceg_box &box, const glm::dvec3 &a, const glm::dvec3 &b, double radius,
+                     std::uint32_t cell, std::uint32_t bar, double path_middle);
 // Box of a segment with its radius and a margin.
 Region region_of(const Segment &segment, double margin);
 
@@ -55,10 +55,12 @@ inline double allowed_radius(const NodeField &field, std::uint32_t cell) {
 }
 
 // Path length along the tree between two places of one cell; stops counting beyond `limit`.
-double tree_distance(const State &state, std::uint32_t bar1, double path1, std::uint32_t bar2, double path2, double limit);
+double tree_distance(const State &state, std::uint32_t bar1, double path1, std::uint32_t bar2, double path2,
+                     double limit);
 
-// The radius that fits around a segment, at most `want`: exact against every committed capsule and soma of other cells,
-// of the cell's own images, and of the cell itself where it is not near along the tree. Below `need` = blocked.
+// The radius that fits around a segment, at most `want`: exact against every committed capsule and soma of
+// other cells, of the cell's own images, and of the cell itself where it is not near along the tree. Below
+// `need` = blocked.
 double clearance(const State &state, const Segment &segment, double want, double need);
 
 } // namespace conceg::grow

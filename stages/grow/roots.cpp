@@ -14,12 +14,13 @@ namespace conceg::grow {
 
 namespace {
 
-constexpr double first_node_um = 1.0;                // beyond the surface
-constexpr double least_stub_um = 0.3;                // the node must be that far outside
-constexpr double search_um[] = {2.5, 5.0};           // around the place aimed at
+constexpr double first_node_um = 1.0;      // beyond the surface
+constexpr double least_stub_um = 0.3;      // the node must be that far outside
+constexpr double search_um[] = {2.5, 5.0}; // around the place aimed at
 
 // Free nodes around a place, nearest first (ties: lower node).
-std::vector<Candidate> free_nodes(const State &state, const Projection &projection, const glm::dvec3 &aim, double within) {
+std::vector<Candidate> free_nodes(const State &state, const Projection &projection, const glm::dvec3 &aim,
+                                  double within) {
   std::vector<Candidate> found;
   const conceg_box &box = state.input.box;
   const glm::dvec3 soma = state.input.cells.at(projection.cell);
@@ -40,7 +41,8 @@ std::vector<Candidate> free_nodes(const State &state, const Projection &projecti
       if (state.space.mark[candidate.node] == projection.cell) continue;
       const double allowed = allowed_radius(state.space.field[candidate.node], projection.cell);
       if (allowed < state.parameters.r_min_um) continue;
-      candidate.allowed = allowed >= state.space.reach ? std::numeric_limits<float>::infinity() : static_cast<float>(allowed);
+      candidate.allowed =
+          allowed >= state.space.reach ? std::numeric_limits<float>::infinity() : static_cast<float>(allowed);
       found.push_back(candidate);
     }
   });
@@ -68,7 +70,8 @@ bool propose_root(const State &state, std::uint32_t bar, Edit &edit) {
       Vertex surface, node;
       surface.position = soma + out * soma_radius;
       surface.node = node.node = candidate.node;
-      for (int a = 0; a < 3; a++) surface.lift[a] = node.lift[a] = candidate.lift[a];
+      for (int a = 0; a < 3; a++)
+        surface.lift[a] = node.lift[a] = candidate.lift[a];
       node.position = candidate.position;
       node.path = glm::distance(surface.position, node.position);
       if (node.path >= state.input.bars.asked_end[bar]) continue;

@@ -6,8 +6,8 @@
 
 namespace conceg::grow {
 
-// First edge of a root bar: from the soma's surface, towards the nearest free node outside the soma along the direction of
-// the bar's attractor, apart from the cell's other roots. False when there is no such node.
+// First edge of a root bar: from the soma's surface, towards the nearest free node outside the soma along the
+// direction of the bar's attractor, apart from the cell's other roots. False when there is no such node.
 bool propose_root(const State &state, std::uint32_t bar, Edit &edit);
 
 } // namespace conceg::grow

@@ -16,14 +16,18 @@ namespace {
 constexpr double end_tolerance_um = 5e-4; // half of the 1 nm that a finished bar may miss
 
 // Binomial weights of n passes of (1 2 1) / 4.
-constexpr double weights[smoothing_lag + 1][smoothing_lag + 1] = {
-    {1.0, 0.0, 0.0, 0.0}, {0.5, 0.25, 0.0, 0.0}, {0.375, 0.25, 0.0625, 0.0}, {0.3125, 0.234375, 0.09375, 0.015625}};
+constexpr double weights[smoothing_lag + 1][smoothing_lag + 1] = {{1.0, 0.0, 0.0, 0.0},
+                                                                  {0.5, 0.25, 0.0, 0.0},
+                                                                  {0.375, 0.25, 0.0625, 0.0},
+                                                                  {0.3125, 0.234375, 0.09375, 0.015625}};
 
 glm::dvec3 smoothed_place(const std::vector<Vertex> &line, std::size_t index, double strength) {
-  const std::size_t width = std::min({static_cast<std::size_t>(smoothing_lag), index, line.size() - 1 - index});
+  const std::size_t width =
+      std::min({static_cast<std::size_t>(smoothing_lag), index, line.size() - 1 - index});
   const double *weight = weights[width];
   glm::dvec3 mean = weight[0] * line[index].position;
-  for (std::size_t i = 1; i <= width; i++) mean += weight[i] * (line[index - i].position + line[index + i].position);
+  for (std::size_t i = 1; i <= width; i++)
+    mean += weight[i] * (line[index - i].position + line[index + i].position);
   return line[index].position + strength * (mean - line[index].position);
 }
 
@@ -33,7 +37,8 @@ void recount(std::vector<Vertex> &line, std::size_t first) {
 }
 
 // Radii of the two segments beside a moved vertex; false when the move would pinch or block them.
-bool fits(const State &state, std::uint32_t bar, std::vector<Vertex> &line, std::size_t index, const glm::dvec3 &place) {
+bool fits(const State &state, std::uint32_t bar, std::vector<Vertex> &line, std::size_t index,
+          const glm::dvec3 &place) {
   const Vertex before = line[index];
   const float radius_after = line[index + 1].radius;
   const double least = 0.95 * std::min(before.radius, radius_after);
@@ -42,7 +47,8 @@ bool fits(const State &state, std::uint32_t bar, std::vector<Vertex> &line, std:
   const double want_after = wanted_radius(state, bar, before.path, line[index + 1].path);
   line[index].position = place;
   const double first = clearance(state, segment_at(state, bar, line, index), want_before, need);
-  const double second = first >= need ? clearance(state, segment_at(state, bar, line, index + 1), want_after, need) : -1.0;
+  const double second =
+      first >= need ? clearance(state, segment_at(state, bar, line, index + 1), want_after, need) : -1.0;
   if (second < need) {
     line[index] = before;
     return false;
@@ -90,8 +96,8 @@ bool cut_at(std::vector<Vertex> &line, std::size_t index, double end) {
   return true;
 }
 
-std::size_t settle_line(const State &state, std::uint32_t bar, std::vector<Vertex> &line, std::size_t open, bool flush,
-                        double end, bool &finished) {
+std::size_t settle_line(const State &state, std::uint32_t bar, std::vector<Vertex> &line, std::size_t open,
+                        bool flush, double end, bool &finished) {
   const std::size_t lag = state.parameters.smoothing > 0.0 && !flush ? smoothing_lag : 0;
   finished = false;
   while (open + lag < line.size()) {

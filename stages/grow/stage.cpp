@@ -18,16 +18,29 @@ using namespace conceg::grow;
 
 const conceg_param parameter_table[] = {
     {"f", "1", "weight of the radius term: l = l_t + f l_r", "1", nullptr, CONCEG_PARAM_F64, 0, 0.0, 100.0},
-    {"length_factor", "", "factor |s-c| / (1 + |s-c|) in l_t as the paper prints it; it favours short sideways edges", "false", nullptr, CONCEG_PARAM_BOOL, 0, 0.0, 0.0},
-    {"lambda_per_um", "um^-1", "steepness of the forks' hazard before a bar's start", "1", nullptr, CONCEG_PARAM_F64, 0, 0.01, 100.0},
-    {"hazard", "", "forks by a hazard per um of path, or by the paper's probability at each step", "per_um", "per_um|per_step", CONCEG_PARAM_CHOICE, 0, 0.0, 0.0},
-    {"g0_um", "um", "length that the first collapse of a trapped projection removes; the k-th removes k times as much", "5", nullptr, CONCEG_PARAM_F64, 0, 0.5, 1000.0},
-    {"retries", "1", "collapses in one place, and places tried for a fork, before a bar is given up", "5", nullptr, CONCEG_PARAM_I64, 0, 0.0, 1000.0},
+    {"length_factor", "",
+     "factor |s-c| / (1 + |s-c|) in l_t as the paper prints it; it favours short sideways edges", "false",
+     nullptr, CONCEG_PARAM_BOOL, 0, 0.0, 0.0},
+    {"lambda_per_um", "um^-1", "steepness of the forks' hazard before a bar's start", "1", nullptr,
+     CONCEG_PARAM_F64, 0, 0.01, 100.0},
+    {"hazard", "", "forks by a hazard per um of path, or by the paper's probability at each step", "per_um",
+     "per_um|per_step", CONCEG_PARAM_CHOICE, 0, 0.0, 0.0},
+    {"g0_um", "um",
+     "length that the first collapse of a trapped projection removes; the k-th removes k times as much", "5",
+     nullptr, CONCEG_PARAM_F64, 0, 0.5, 1000.0},
+    {"retries", "1", "collapses in one place, and places tried for a fork, before a bar is given up", "5",
+     nullptr, CONCEG_PARAM_I64, 0, 0.0, 1000.0},
     {"r_min_um", "um", "no process is thinner", "0.15", nullptr, CONCEG_PARAM_F64, 0, 0.01, 10.0},
-    {"radius_fraction", "1", "radius committed in growth over the target radius; the cost sees the whole target", "0.6", nullptr, CONCEG_PARAM_F64, 0, 0.05, 1.0},
-    {"smoothing", "1", "how far the line leaves the nodes for the smoothed place, inside the free space; 0 = none", "0.5", nullptr, CONCEG_PARAM_F64, 0, 0.0, 1.0},
-    {"occupancy", "", "what keeps cells apart: exact capsules, or the nodes' free radius alone (the paper)", "capsule", "capsule|nodes", CONCEG_PARAM_CHOICE, 0, 0.0, 0.0},
-    {"max_edge_um", "um", "longer edges of the network are no candidates", "2", nullptr, CONCEG_PARAM_F64, 0, 0.5, 3.0},
+    {"radius_fraction", "1",
+     "radius committed in growth over the target radius; the cost sees the whole target", "0.6", nullptr,
+     CONCEG_PARAM_F64, 0, 0.05, 1.0},
+    {"smoothing", "1",
+     "how far the line leaves the nodes for the smoothed place, inside the free space; 0 = none", "0.5",
+     nullptr, CONCEG_PARAM_F64, 0, 0.0, 1.0},
+    {"occupancy", "", "what keeps cells apart: exact capsules, or the nodes' free radius alone (the paper)",
+     "capsule", "capsule|nodes", CONCEG_PARAM_CHOICE, 0, 0.0, 0.0},
+    {"max_edge_um", "um", "longer edges of the network are no candidates", "2", nullptr, CONCEG_PARAM_F64, 0,
+     0.5, 3.0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0.0, 0.0},
 };
 
@@ -36,13 +49,16 @@ Parameters read_parameters(const conceg_params *params) {
   parameters.f = conceg_params_f64(params, "f");
   parameters.length_factor = conceg_params_bool(params, "length_factor") != 0;
   parameters.lambda_per_um = conceg_params_f64(params, "lambda_per_um");
-  parameters.hazard = std::strcmp(conceg_params_text(params, "hazard"), "per_step") == 0 ? Hazard::per_step : Hazard::per_um;
+  parameters.hazard =
+      std::strcmp(conceg_params_text(params, "hazard"), "per_step") == 0 ? Hazard::per_step : Hazard::per_um;
   parameters.collapse_um = conceg_params_f64(params, "g0_um");
   parameters.retries = static_cast<std::uint32_t>(conceg_params_i64(params, "retries"));
   parameters.r_min_um = conceg_params_f64(params, "r_min_um");
   parameters.radius_fraction = conceg_params_f64(params, "radius_fraction");
   parameters.smoothing = conceg_params_f64(params, "smoothing");
-  parameters.occupancy = std::strcmp(conceg_params_text(params, "occupancy"), "nodes") == 0 ? Occupancy::nodes : Occupancy::capsule;
+  parameters.occupancy = std::strcmp(conceg_params_text(params, "occupancy"), "nodes") == 0
+                             ? Occupancy::nodes
+                             : Occupancy::capsule;
   parameters.max_edge_um = conceg_params_f64(params, "max_edge_um");
   return parameters;
 }
@@ -67,25 +83,31 @@ void write_bars(conceg_doc *doc, const BarReport &report) {
   put(doc, "/bars/handed_to", report.handed_to);
 }
 
-void tell(conceg_ctx *ctx, const State &state, const Summary &summary, const Measures &measures, double seconds) {
+void tell(conceg_ctx *ctx, const State &state, const Summary &summary, const Measures &measures,
+          double seconds) {
   for (std::uint32_t worker = 0; worker < summary.steps_by_worker.size() && worker < 256; worker++)
     conceg_ctx_count(ctx, "grow.steps", worker, summary.steps_by_worker[worker]);
   conceg_ctx_count(ctx, "grow.rounds", 0, summary.rounds);
   conceg_ctx_count(ctx, "grow.deferred", 0, summary.deferred);
   conceg_ctx_count(ctx, "grow.collapses", 0, summary.collapses);
   const double box = volume(state.input.box);
-  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
-                 "grow: %llu steps (%.0f/s), %llu collapses, %llu deferred; bars: %llu done, %llu short, %llu lost, %llu handed on; "
-                 "cable %.3f mm, straightness %.3f, fork angle off by %.1f deg, ICVF about %.3f committed, %.3f at target",
-                 static_cast<unsigned long long>(summary.steps), seconds > 0.0 ? static_cast<double>(summary.steps) / seconds : 0.0,
-                 static_cast<unsigned long long>(summary.collapses), static_cast<unsigned long long>(summary.deferred),
-                 static_cast<unsigned long long>(summary.done), static_cast<unsigned long long>(summary.cut_short),
-                 static_cast<unsigned long long>(summary.lost), static_cast<unsigned long long>(summary.handed),
-                 measures.cable_um * 1e-3, measures.straightness, summary.angle_error * 57.29577951308232,
-                 measures.volume_committed_um3 / box, measures.volume_target_um3 / box);
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_INFO,
+      "grow: %llu steps (%.0f/s), %llu collapses, %llu deferred; bars: %llu done, %llu short, %llu lost, "
+      "%llu handed on; "
+      "cable %.3f mm, straightness %.3f, fork angle off by %.1f deg, ICVF about %.3f committed, %.3f at "
+      "target",
+      static_cast<unsigned long long>(summary.steps),
+      seconds > 0.0 ? static_cast<double>(summary.steps) / seconds : 0.0,
+      static_cast<unsigned long long>(summary.collapses), static_cast<unsigned long long>(summary.deferred),
+      static_cast<unsigned long long>(summary.done), static_cast<unsigned long long>(summary.cut_short),
+      static_cast<unsigned long long>(summary.lost), static_cast<unsigned long long>(summary.handed),
+      measures.cable_um * 1e-3, measures.straightness, summary.angle_error * 57.29577951308232,
+      measures.volume_committed_um3 / box, measures.volume_target_um3 / box);
   if (summary.lost > 0)
     conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
-                   "grow: %llu of %zu bars found no room and were lost (state 3 in /bars); a lower density or radius_scale leaves more room",
+                   "grow: %llu of %zu bars found no room and were lost (state 3 in /bars); a lower density "
+                   "or radius_scale leaves more room",
                    static_cast<unsigned long long>(summary.lost), state.input.bars.count);
 }
 

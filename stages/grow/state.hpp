@@ -18,17 +18,17 @@ enum class Occupancy { capsule, nodes };
 enum class Hazard { per_um, per_step };
 
 struct Parameters {
-  double f = 1.0;                       // weight of l_r against l_t
-  bool length_factor = false;           // |s-c| / (1 + |s-c|) in l_t, as the paper prints it
-  double lambda_per_um = 1.0;           // of the forks' hazard
-  Hazard hazard = Hazard::per_um;       // or the paper's probability at each step
-  double collapse_um = 5.0;             // g0
-  std::uint32_t retries = 5;            // collapses in one place before a bar is ended
-  double r_min_um = 0.15;               // no process is thinner
-  double radius_fraction = 0.6;         // committed radius / target radius
-  double smoothing = 0.5;               // 0 = the line runs from node to node, 1 = the smoothed place
+  double f = 1.0;                 // weight of l_r against l_t
+  bool length_factor = false;     // |s-c| / (1 + |s-c|) in l_t, as the paper prints it
+  double lambda_per_um = 1.0;     // of the forks' hazard
+  Hazard hazard = Hazard::per_um; // or the paper's probability at each step
+  double collapse_um = 5.0;       // g0
+  std::uint32_t retries = 5;      // collapses in one place before a bar is ended
+  double r_min_um = 0.15;         // no process is thinner
+  double radius_fraction = 0.6;   // committed radius / target radius
+  double smoothing = 0.5;         // 0 = the line runs from node to node, 1 = the smoothed place
   Occupancy occupancy = Occupancy::capsule;
-  double max_edge_um = 2.0;             // longer edges are no candidates
+  double max_edge_um = 2.0; // longer edges are no candidates
 };
 
 // ---- Input: views of the document's arrays ----
@@ -39,7 +39,9 @@ struct Network {
   const std::uint64_t *edge_offset = nullptr; // [nodes + 1]
   const std::uint32_t *edge = nullptr;
   const std::int8_t *edge_shift = nullptr; // [edges][3], may be null
-  glm::dvec3 at(std::uint32_t node) const { return {position[3 * node], position[3 * node + 1], position[3 * node + 2]}; }
+  glm::dvec3 at(std::uint32_t node) const {
+    return {position[3 * node], position[3 * node + 1], position[3 * node + 2]};
+  }
 };
 struct Cells {
   std::size_t count = 0;
@@ -75,13 +77,14 @@ struct Segment {
   float half_length = 0.0f;
   float radius = 0.0f;
   std::uint32_t cell = none, bar = none;
-  float path = 0.0f;                 // path length at the middle
-  std::int16_t lift[3] = {0, 0, 0};  // sides to add to get the unwrapped place
-  std::uint8_t in_field = 0;         // 1 = its surface is in the nodes' field
+  float path = 0.0f;                // path length at the middle
+  std::int16_t lift[3] = {0, 0, 0}; // sides to add to get the unwrapped place
+  std::uint8_t in_field = 0;        // 1 = its surface is in the nodes' field
   std::uint8_t alive = 0;
 };
 
-// Per node: distance to the surface of the nearest owner and of the nearest other owner, capped at the field's reach.
+// Per node: distance to the surface of the nearest owner and of the nearest other owner, capped at the
+// field's reach.
 struct NodeField {
   float distance1, distance2;
   std::uint32_t owner1, owner2;
@@ -102,11 +105,12 @@ struct Region {
 
 struct Space {
   Grid grid;
-  double reach = 1.0; // the field knows surfaces up to here
+  double reach = 1.0;                     // the field knows surfaces up to here
   std::vector<std::uint64_t> node_offset; // nodes by grid cell
   std::vector<std::uint32_t> node_list;
   std::vector<NodeField> field;
-  std::vector<float> obstacle; // per node: distance to what no cell owns (reach = nothing); empty when there is none
+  std::vector<float>
+      obstacle; // per node: distance to what no cell owns (reach = nothing); empty when there is none
   std::vector<std::uint32_t> mark; // per node: the cell whose path uses it
   std::vector<Segment> segments;
   std::vector<std::uint32_t> free_segments;
@@ -139,9 +143,9 @@ struct Projection {
   std::uint32_t host = none, parent = none; // rows over all cells
   double fork_path = 0.0;                   // where it is due on its host
   double start_path = 0.0;
-  double radius_limit = 1e30;               // parent's local target radius
+  double radius_limit = 1e30; // parent's local target radius
   glm::dvec3 attractor{0.0};
-  glm::dvec3 fork_heading{0.0};             // direction of the host behind the fork
+  glm::dvec3 fork_heading{0.0}; // direction of the host behind the fork
   std::uint32_t fork_nodes[2] = {none, none};
   std::int16_t fork_lifts[2][3] = {};
   std::vector<Vertex> chain;

@@ -13,16 +13,19 @@ namespace conceg::grow {
 namespace {
 
 // Everything that a step looks at: nodes and capsules around the tip, capsules around the open line.
-void note_reads(const State &state, const Projection &projection, const std::vector<Vertex> &line, double want, Edit &edit) {
+void note_reads(const State &state, const Projection &projection, const std::vector<Vertex> &line,
+                double want, Edit &edit) {
   const glm::dvec3 tip = projection.chain.back().position;
   const double around = state.parameters.max_edge_um + want;
   edit.reads.push_back({tip - around, tip + around});
   Region open{tip, tip};
-  for (const Vertex &vertex : line) open.lo = glm::min(open.lo, vertex.position), open.hi = glm::max(open.hi, vertex.position);
+  for (const Vertex &vertex : line)
+    open.lo = glm::min(open.lo, vertex.position), open.hi = glm::max(open.hi, vertex.position);
   edit.reads.push_back({open.lo - want, open.hi + want});
 }
 
-// What the tip grows towards. At its attractor it runs straight on for the length that is left, or it would circle there.
+// What the tip grows towards. At its attractor it runs straight on for the length that is left, or it would
+// circle there.
 glm::dvec3 aim(const State &state, const Projection &projection, Edit &edit) {
   const Vertex &tip = projection.chain.back();
   const glm::dvec3 heading = chain_heading(projection);
@@ -39,9 +42,10 @@ double edge_radius(const State &state, std::uint32_t bar, const Vertex &from, co
   const double length = glm::distance(from.position, candidate.position);
   const double want = wanted_radius(state, bar, from.path, from.path + length);
   const double need = state.parameters.r_min_um;
-  if (state.parameters.occupancy == Occupancy::nodes) return std::min(want, static_cast<double>(candidate.allowed));
-  const Segment probe = make_segment(state.input.box, from.position, candidate.position, want, state.projections[bar].cell,
-                                     bar, from.path + 0.5 * length);
+  if (state.parameters.occupancy == Occupancy::nodes)
+    return std::min(want, static_cast<double>(candidate.allowed));
+  const Segment probe = make_segment(state.input.box, from.position, candidate.position, want,
+                                     state.projections[bar].cell, bar, from.path + 0.5 * length);
   return clearance(state, probe, want, need);
 }
 
@@ -61,7 +65,8 @@ void propose(const State &state, std::uint32_t bar, Edit &edit) {
     if (radius < state.parameters.r_min_um) continue;
     Vertex next;
     next.position = candidate.position, next.node = candidate.node, next.radius = static_cast<float>(radius);
-    for (int a = 0; a < 3; a++) next.lift[a] = candidate.lift[a];
+    for (int a = 0; a < 3; a++)
+      next.lift[a] = candidate.lift[a];
     next.path = last.path + glm::distance(last.position, candidate.position);
     line.push_back(next);
     const double end = state.input.bars.asked_end[bar];

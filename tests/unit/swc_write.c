@@ -135,7 +135,8 @@ static void check_floating(void) {
   CHECK_EQUAL(conceg_swc_write(ctx, in_folder("c.swc"), &c), CONCEG_OK);
   CHECK_EQUAL(conceg_swc_read(ctx, in_folder("c.swc"), 0, &swc), CONCEG_OK);
   CHECK_EQUAL(conceg_swc_count(swc), 4);
-  CHECK(conceg_swc_on_soma(swc)[0] == 1 && conceg_swc_on_soma(swc)[3] == 0 && conceg_swc_parent(swc)[3] == -1);
+  CHECK(conceg_swc_on_soma(swc)[0] == 1 && conceg_swc_on_soma(swc)[3] == 0 &&
+        conceg_swc_parent(swc)[3] == -1);
   CHECK(conceg_swc_position(swc)[9] == position[3]);
   conceg_swc_free(swc);
   CHECK(unlink(in_folder("c.swc")) == 0);

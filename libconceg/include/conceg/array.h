@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Arrays of a document: typed, of rank 0 to 4, row-major, little-endian. A path names a dataset ("/cells/soma")
- * or an attribute ("/domain@lo"). Names, types, shapes and units are those of spec/schema.yaml. */
+ * Arrays of a document: typed, of rank 0 to 4, row-major, little-endian. A path names a dataset
+ * ("/cells/soma") or an attribute ("/domain@lo"). Names, types, shapes and units are those of
+ * spec/schema.yaml. */
 #ifndef CONCEG_ARRAY_H
 #define CONCEG_ARRAY_H
 
@@ -42,29 +43,36 @@ CONCEG_API uint64_t conceg_array_count(const conceg_array *array);
 /* 1 if the group, dataset or attribute is there, else 0. */
 CONCEG_API int conceg_doc_has(const conceg_doc *doc, const char *path);
 
-/* Reads an array as a view. Borrowed: valid until the same path is written or dropped, or the document is closed.
- * `out->size` must be set. Errors: E_MISSING, E_FORMAT (type that this library cannot hold), E_IO, E_NOMEM. */
-CONCEG_API conceg_status conceg_doc_read(conceg_doc *doc, const char *path, conceg_array *out) CONCEG_NODISCARD;
+/* Reads an array as a view. Borrowed: valid until the same path is written or dropped, or the document is
+ * closed. `out->size` must be set. Errors: E_MISSING, E_FORMAT (type that this library cannot hold), E_IO,
+ * E_NOMEM. */
+CONCEG_API conceg_status conceg_doc_read(conceg_doc *doc, const char *path,
+                                         conceg_array *out) CONCEG_NODISCARD;
 
-/* Copies an array into the document, replacing what was there; groups are made as needed. A failed call changes nothing.
- * Errors: E_PARAM (bad path), E_NOMEM, E_IO (no space in the temporary folder). */
-CONCEG_API conceg_status conceg_doc_write(conceg_doc *doc, const char *path, const conceg_array *array) CONCEG_NODISCARD;
+/* Copies an array into the document, replacing what was there; groups are made as needed. A failed call
+ * changes nothing. Errors: E_PARAM (bad path), E_NOMEM, E_IO (no space in the temporary folder). */
+CONCEG_API conceg_status conceg_doc_write(conceg_doc *doc, const char *path,
+                                          const conceg_array *array) CONCEG_NODISCARD;
 
-/* Gives the document a new zeroed array and returns its storage to be filled in place, so that large results are not
- * copied. Borrowed like a view; fill it before the document is digested, validated or saved. Not for CONCEG_TEXT. Errors as
- * conceg_doc_write. */
-CONCEG_API conceg_status conceg_doc_new_array(conceg_doc *doc, const char *path, conceg_dtype dtype, uint32_t rank,
-                                              const uint64_t *shape, void **storage) CONCEG_NODISCARD;
+/* Gives the document a new zeroed array and returns its storage to be filled in place, so that large results
+ * are not copied. Borrowed like a view; fill it before the document is digested, validated or saved. Not for
+ * CONCEG_TEXT. Errors as conceg_doc_write. */
+CONCEG_API conceg_status conceg_doc_new_array(conceg_doc *doc, const char *path, conceg_dtype dtype,
+                                              uint32_t rank, const uint64_t *shape,
+                                              void **storage) CONCEG_NODISCARD;
 
 /* One string (rank 0 text). */
-CONCEG_API conceg_status conceg_doc_read_text(conceg_doc *doc, const char *path, const char **out) CONCEG_NODISCARD;
-CONCEG_API conceg_status conceg_doc_write_text(conceg_doc *doc, const char *path, const char *text) CONCEG_NODISCARD;
+CONCEG_API conceg_status conceg_doc_read_text(conceg_doc *doc, const char *path,
+                                              const char **out) CONCEG_NODISCARD;
+CONCEG_API conceg_status conceg_doc_write_text(conceg_doc *doc, const char *path,
+                                               const char *text) CONCEG_NODISCARD;
 
 /* Removes a dataset, an attribute or a whole group; OK when it was not there. */
 CONCEG_API conceg_status conceg_doc_drop(conceg_doc *doc, const char *path) CONCEG_NODISCARD;
 
-/* Children of a group in canonical order: the count, and the i-th child's full path (borrowed until the next write or
- * drop). Sub-groups end in "/". Attributes of the group come last, as "/group@name". NULL past the end. */
+/* Children of a group in canonical order: the count, and the i-th child's full path (borrowed until the next
+ * write or drop). Sub-groups end in "/". Attributes of the group come last, as "/group@name". NULL past the
+ * end. */
 CONCEG_API uint64_t conceg_doc_children(const conceg_doc *doc, const char *group);
 CONCEG_API const char *conceg_doc_child(const conceg_doc *doc, const char *group, uint64_t index);
 

@@ -49,7 +49,7 @@ typedef enum conceg_status {
 #define CONCEG_STATUS_ENUM(name, value, text) CONCEG_##name = value,
   CONCEG_STATUS_MAP(CONCEG_STATUS_ENUM)
 #undef CONCEG_STATUS_ENUM
-  CONCEG_STATUS_MINIMUM = -0x7fffffff - 1,
+      CONCEG_STATUS_MINIMUM = -0x7fffffff - 1,
   CONCEG_STATUS_MAXIMUM = 0x7fffffff
 } conceg_status;
 

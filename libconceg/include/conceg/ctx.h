@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * The context: last error, log, progress and cancel, seed, threads, temporary folder, memory budget.
- * One context belongs to one thread at a time; the functions marked "any thread" may be called from workers. */
+ * One context belongs to one thread at a time; the functions marked "any thread" may be called from workers.
+ */
 #ifndef CONCEG_CTX_H
 #define CONCEG_CTX_H
 
@@ -20,10 +21,12 @@ typedef enum conceg_log_level {
 
 typedef void (*conceg_log_fn)(void *user, conceg_log_level level, const char *line);
 
-/* Called with the work done and the total (total 0 = unknown). A non-zero return cancels the run. Never called concurrently. */
+/* Called with the work done and the total (total 0 = unknown). A non-zero return cancels the run. Never
+ * called concurrently. */
 typedef int (*conceg_progress_fn)(void *user, const char *what, uint64_t done, uint64_t total);
 
-/* New context with seed 1, all processors, TMPDIR or /tmp, half of the machine's memory, and no log. NULL when out of memory. */
+/* New context with seed 1, all processors, TMPDIR or /tmp, half of the machine's memory, and no log. NULL
+ * when out of memory. */
 CONCEG_API conceg_ctx *conceg_ctx_new(void);
 CONCEG_API void conceg_ctx_free(conceg_ctx *ctx);
 
@@ -36,24 +39,32 @@ CONCEG_API void conceg_ctx_set_threads(conceg_ctx *ctx, uint32_t threads);
 CONCEG_API uint32_t conceg_ctx_threads(const conceg_ctx *ctx);
 CONCEG_API conceg_status conceg_ctx_set_tmpdir(conceg_ctx *ctx, const char *path);
 CONCEG_API const char *conceg_ctx_tmpdir(const conceg_ctx *ctx);
-/* Bytes of array data that a document keeps in memory before it moves arrays to a file in the temporary folder. */
+/* Bytes of array data that a document keeps in memory before it moves arrays to a file in the temporary
+ * folder. */
 CONCEG_API void conceg_ctx_set_memory(conceg_ctx *ctx, uint64_t bytes);
 CONCEG_API uint64_t conceg_ctx_memory(const conceg_ctx *ctx);
 
-/* The last error as one line "what: path[index]: expected, got"; "" when none. Borrowed until the next failing call. */
+/* The last error as one line "what: path[index]: expected, got"; "" when none. Borrowed until the next
+ * failing call. */
 CONCEG_API const char *conceg_ctx_error(const conceg_ctx *ctx);
 CONCEG_API void conceg_ctx_clear_error(conceg_ctx *ctx);
-/* Stores a formatted error line and returns `status`, so that a stage can write: return conceg_ctx_fail(ctx, ...). Any thread. */
+/* Stores a formatted error line and returns `status`, so that a stage can write: return conceg_ctx_fail(ctx,
+ * ...). Any thread. */
 CONCEG_API conceg_status conceg_ctx_fail(conceg_ctx *ctx, conceg_status status, const char *format, ...)
     CONCEG_PRINTF(3, 4);
 /* Sends one line to the log. Any thread. */
-CONCEG_API void conceg_ctx_log(conceg_ctx *ctx, conceg_log_level level, const char *format, ...) CONCEG_PRINTF(3, 4);
-/* Reports progress; returns CONCEG_E_CANCELLED (with the error set) once the caller asked to stop, else CONCEG_OK. Any thread. */
-CONCEG_API conceg_status conceg_ctx_progress(conceg_ctx *ctx, const char *what, uint64_t done, uint64_t total);
+CONCEG_API void conceg_ctx_log(conceg_ctx *ctx, conceg_log_level level, const char *format, ...)
+    CONCEG_PRINTF(3, 4);
+/* Reports progress; returns CONCEG_E_CANCELLED (with the error set) once the caller asked to stop, else
+ * CONCEG_OK. Any thread. */
+CONCEG_API conceg_status conceg_ctx_progress(conceg_ctx *ctx, const char *what, uint64_t done,
+                                             uint64_t total);
 
-/* Adds to a named counter ("grow.steps") of one worker (0-based, below 256). Any thread. Read back in tests and by -v. */
+/* Adds to a named counter ("grow.steps") of one worker (0-based, below 256). Any thread. Read back in tests
+ * and by -v. */
 CONCEG_API void conceg_ctx_count(conceg_ctx *ctx, const char *counter, uint32_t worker, uint64_t add);
-/* Number of counters, and the i-th one: its name and values per worker (borrowed; `workers` receives how many). */
+/* Number of counters, and the i-th one: its name and values per worker (borrowed; `workers` receives how
+ * many). */
 CONCEG_API uint32_t conceg_ctx_counters(const conceg_ctx *ctx);
 CONCEG_API const char *conceg_ctx_counter(const conceg_ctx *ctx, uint32_t index, const uint64_t **values,
                                           uint32_t *workers);

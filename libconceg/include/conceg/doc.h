@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * The document: one CGX file, stream or memory image (spec/cgx.md, spec/stream.md). Opening never changes the input;
- * saving writes a new canonical file, whole or not at all. One document belongs to one thread at a time.
- * A program that also uses HDF5 itself must close its own files: HDF5's clean-up at exit is switched off. */
+ * The document: one CGX file, stream or memory image (spec/cgx.md, spec/stream.md). Opening never changes the
+ * input; saving writes a new canonical file, whole or not at all. One document belongs to one thread at a
+ * time. A program that also uses HDF5 itself must close its own files: HDF5's clean-up at exit is switched
+ * off. */
 #ifndef CONCEG_DOC_H
 #define CONCEG_DOC_H
 
@@ -12,16 +13,18 @@ CONCEG_BEGIN_C
 /* An empty document. Owned: close it. */
 CONCEG_API conceg_status conceg_doc_new(conceg_ctx *ctx, conceg_doc **out) CONCEG_NODISCARD;
 
-/* Opens a file, or standard input for "-" (a pipe is spooled to memory or to the temporary folder). Arrays are read when
- * asked for. Errors: E_IO, E_FORMAT (not a CGX file, truncated, empty), E_VERSION, E_NOMEM. */
-CONCEG_API conceg_status conceg_doc_open(conceg_ctx *ctx, const char *path, conceg_doc **out) CONCEG_NODISCARD;
+/* Opens a file, or standard input for "-" (a pipe is spooled to memory or to the temporary folder). Arrays
+ * are read when asked for. Errors: E_IO, E_FORMAT (not a CGX file, truncated, empty), E_VERSION, E_NOMEM. */
+CONCEG_API conceg_status conceg_doc_open(conceg_ctx *ctx, const char *path,
+                                         conceg_doc **out) CONCEG_NODISCARD;
 
 /* Opens a memory image; the bytes are copied. */
 CONCEG_API conceg_status conceg_doc_from_memory(conceg_ctx *ctx, const void *bytes, size_t count,
                                                 conceg_doc **out) CONCEG_NODISCARD;
 
-/* Writes the canonical file: same content, same bytes. A path is replaced by rename after the last close succeeded; "-" is
- * standard output, which must not be a terminal. Errors: E_IO (with the path and the system's reason), E_NOMEM. */
+/* Writes the canonical file: same content, same bytes. A path is replaced by rename after the last close
+ * succeeded; "-" is standard output, which must not be a terminal. Errors: E_IO (with the path and the
+ * system's reason), E_NOMEM. */
 CONCEG_API conceg_status conceg_doc_save(conceg_doc *doc, const char *path) CONCEG_NODISCARD;
 
 /* The canonical file as a memory image, owned by the caller: release with conceg_free. */
@@ -31,8 +34,8 @@ CONCEG_API void conceg_free(void *memory);
 /* Closes without saving; doc may be NULL. Returns E_IO when the input could not be closed. */
 CONCEG_API conceg_status conceg_doc_close(conceg_doc *doc);
 
-/* SHA-256 over (path, type, shape, bytes) of a group and all below it, in hex with a final NUL: a content digest that
- * does not depend on the file's layout. "/" digests the whole document except /provenance. */
+/* SHA-256 over (path, type, shape, bytes) of a group and all below it, in hex with a final NUL: a content
+ * digest that does not depend on the file's layout. "/" digests the whole document except /provenance. */
 CONCEG_API conceg_status conceg_doc_digest(conceg_doc *doc, const char *group, char hex[65]) CONCEG_NODISCARD;
 
 /* One broken rule: its id ("CGX-012"), where ("/cells/soma[3]"), what was expected and what was found. */
@@ -43,8 +46,9 @@ typedef struct conceg_problem {
 } conceg_problem;
 typedef void (*conceg_problem_fn)(void *user, const conceg_problem *problem);
 
-/* Checks the document, or only one group when `group` is not NULL, against every rule of spec/cgx.md; calls `fn` (may be
- * NULL) for each problem. Returns CONCEG_OK, or E_FORMAT when a MUST rule is broken (the first one is the context's error). */
+/* Checks the document, or only one group when `group` is not NULL, against every rule of spec/cgx.md; calls
+ * `fn` (may be NULL) for each problem. Returns CONCEG_OK, or E_FORMAT when a MUST rule is broken (the first
+ * one is the context's error). */
 CONCEG_API conceg_status conceg_doc_validate(conceg_doc *doc, const char *group, conceg_problem_fn fn,
                                              void *user) CONCEG_NODISCARD;
 

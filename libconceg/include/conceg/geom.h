@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Geometry that every part must agree on: the periodic box and the fixed-point lattice. Lengths in um. Any thread. */
+ * Geometry that every part must agree on: the periodic box and the fixed-point lattice. Lengths in um. Any
+ * thread. */
 #ifndef CONCEG_GEOM_H
 #define CONCEG_GEOM_H
 
 #include <stdint.h>
 
-/* Coordinates of somas and nodes are multiples of this step, and box sides too, so that x +- side is exact. */
+/* Coordinates of somas and nodes are multiples of this step, and box sides too, so that x +- side is exact.
+ */
 #define CONCEG_LATTICE_STEP_UM 0x1p-16
 
 typedef struct conceg_box {
@@ -13,10 +15,14 @@ typedef struct conceg_box {
   uint8_t periodic[3];
 } conceg_box;
 
-static inline double conceg_box_side(const conceg_box *box, int axis) { return box->hi[axis] - box->lo[axis]; }
+static inline double conceg_box_side(const conceg_box *box, int axis) {
+  return box->hi[axis] - box->lo[axis];
+}
 
 /* Nearest lattice coordinate. */
-static inline double conceg_snap(double x) { return __builtin_floor(x * 0x1p16 + 0.5) * CONCEG_LATTICE_STEP_UM; }
+static inline double conceg_snap(double x) {
+  return __builtin_floor(x * 0x1p16 + 0.5) * CONCEG_LATTICE_STEP_UM;
+}
 
 /* Number of box sides to subtract so that x lies in [lo, hi); 0 on an open axis. */
 static inline int32_t conceg_box_lift(const conceg_box *box, int axis, double x) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * The substrate handle: what a simulator needs, as plain memory. Read-only after opening: no file is touched later, and
- * every function may be called from any number of threads. Lengths in um, volumes in um3. */
+ * The substrate handle: what a simulator needs, as plain memory. Read-only after opening: no file is touched
+ * later, and every function may be called from any number of threads. Lengths in um, volumes in um3. */
 #ifndef CONCEG_MODEL_H
 #define CONCEG_MODEL_H
 
@@ -27,12 +27,13 @@ typedef enum conceg_compartment {
 
 typedef struct conceg_substrate conceg_substrate;
 
-/* Copies what is there of /domain, /types, /cells, /skeleton and /meshes into memory. The document may be closed afterwards.
- * Errors: E_MISSING (no /domain), E_FORMAT, E_NOMEM. */
+/* Copies what is there of /domain, /types, /cells, /skeleton and /meshes into memory. The document may be
+ * closed afterwards. Errors: E_MISSING (no /domain), E_FORMAT, E_NOMEM. */
 CONCEG_API conceg_status conceg_substrate_open(conceg_doc *doc, conceg_substrate **out) CONCEG_NODISCARD;
 CONCEG_API void conceg_substrate_free(conceg_substrate *substrate);
 
-CONCEG_API void conceg_substrate_box(const conceg_substrate *substrate, double lo[3], double hi[3], uint8_t periodic[3]);
+CONCEG_API void conceg_substrate_box(const conceg_substrate *substrate, double lo[3], double hi[3],
+                                     uint8_t periodic[3]);
 CONCEG_API uint64_t conceg_substrate_cells(const conceg_substrate *substrate);
 
 typedef struct conceg_cell_view {
@@ -44,7 +45,8 @@ typedef struct conceg_cell_view {
   double soma_radius;
 } conceg_cell_view;
 /* E_RANGE for an index past the end. */
-CONCEG_API conceg_status conceg_substrate_cell(const conceg_substrate *substrate, uint64_t cell, conceg_cell_view *out) CONCEG_NODISCARD;
+CONCEG_API conceg_status conceg_substrate_cell(const conceg_substrate *substrate, uint64_t cell,
+                                               conceg_cell_view *out) CONCEG_NODISCARD;
 
 typedef struct conceg_skeleton_view {
   uint32_t size, reserved;
@@ -67,7 +69,8 @@ typedef struct conceg_mesh_view {
   const uint8_t *compartment; /* [face_count] */
   double volume, area;
 } conceg_mesh_view;
-CONCEG_API conceg_status conceg_substrate_mesh(const conceg_substrate *substrate, uint64_t mesh, conceg_mesh_view *out) CONCEG_NODISCARD;
+CONCEG_API conceg_status conceg_substrate_mesh(const conceg_substrate *substrate, uint64_t mesh,
+                                               conceg_mesh_view *out) CONCEG_NODISCARD;
 
 CONCEG_END_C
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Parameters of a stage (a table that drives argv, YAML, help, docs and range checks) and the recipe that carries them. */
+ * Parameters of a stage (a table that drives argv, YAML, help, docs and range checks) and the recipe that
+ * carries them. */
 #ifndef CONCEG_PARAMS_H
 #define CONCEG_PARAMS_H
 
@@ -13,7 +14,8 @@ typedef enum conceg_param_type {
   CONCEG_PARAM_BOOL = 3,
   CONCEG_PARAM_TEXT = 4,
   CONCEG_PARAM_CHOICE = 5, /* `choices` is a |-separated list */
-  CONCEG_PARAM_FILE = 6,   /* a path; relative paths are taken from the current folder. Not written into /recipe */
+  CONCEG_PARAM_FILE =
+      6, /* a path; relative paths are taken from the current folder. Not written into /recipe */
   CONCEG_PARAM_MAXIMUM = 0x7fffffff
 } conceg_param_type;
 
@@ -31,11 +33,13 @@ typedef struct conceg_param {
 
 typedef struct conceg_params conceg_params; /* the values of one stage run; read-only for stages */
 
-/* Values by name. The name must be in the stage's table: a wrong one ends in 0, "" or NAN and E_INTERNAL after the run. */
+/* Values by name. The name must be in the stage's table: a wrong one ends in 0, "" or NAN and E_INTERNAL
+ * after the run. */
 CONCEG_API double conceg_params_f64(const conceg_params *params, const char *name);
 CONCEG_API int64_t conceg_params_i64(const conceg_params *params, const char *name);
 CONCEG_API int conceg_params_bool(const conceg_params *params, const char *name);
-CONCEG_API const char *conceg_params_text(const conceg_params *params, const char *name); /* also CHOICE and FILE */
+CONCEG_API const char *conceg_params_text(const conceg_params *params,
+                                          const char *name); /* also CHOICE and FILE */
 /* Positional arguments of the command line (input files of characterise and import): NULL past the end. */
 CONCEG_API const char *conceg_params_argument(const conceg_params *params, uint32_t index);
 /* 1 if the value was given, by recipe or command line; 0 if it is the default. */
@@ -43,17 +47,22 @@ CONCEG_API int conceg_params_given(const conceg_params *params, const char *name
 
 /* ---- Recipe: a parsed YAML document with line numbers ---- */
 typedef struct conceg_recipe conceg_recipe;
-typedef struct conceg_node conceg_node; /* borrowed from its recipe; NULL is legal everywhere and means "absent" */
+typedef struct conceg_node
+    conceg_node; /* borrowed from its recipe; NULL is legal everywhere and means "absent" */
 
-/* Parses a recipe file or text and checks its keys (spec/cli.md). Errors: E_IO, E_FORMAT and E_PARAM with file and line. */
-CONCEG_API conceg_status conceg_recipe_load(conceg_ctx *ctx, const char *path, conceg_recipe **out) CONCEG_NODISCARD;
+/* Parses a recipe file or text and checks its keys (spec/cli.md). Errors: E_IO, E_FORMAT and E_PARAM with
+ * file and line. */
+CONCEG_API conceg_status conceg_recipe_load(conceg_ctx *ctx, const char *path,
+                                            conceg_recipe **out) CONCEG_NODISCARD;
 CONCEG_API conceg_status conceg_recipe_parse(conceg_ctx *ctx, const char *text, const char *name,
                                              conceg_recipe **out) CONCEG_NODISCARD;
 /* The recipe that travels in the document (/recipe); E_MISSING when there is none. Owned by the caller. */
-CONCEG_API conceg_status conceg_recipe_from_doc(conceg_ctx *ctx, conceg_doc *doc, conceg_recipe **out) CONCEG_NODISCARD;
+CONCEG_API conceg_status conceg_recipe_from_doc(conceg_ctx *ctx, conceg_doc *doc,
+                                                conceg_recipe **out) CONCEG_NODISCARD;
 CONCEG_API void conceg_recipe_free(conceg_recipe *recipe);
 /* --set: "stage.key=value" or "domain.size_um=[20,20,20]"; the value is YAML. */
-CONCEG_API conceg_status conceg_recipe_set(conceg_ctx *ctx, conceg_recipe *recipe, const char *assignment) CONCEG_NODISCARD;
+CONCEG_API conceg_status conceg_recipe_set(conceg_ctx *ctx, conceg_recipe *recipe,
+                                           const char *assignment) CONCEG_NODISCARD;
 /* Canonical YAML of the whole recipe; borrowed until the recipe changes. NULL when out of memory. */
 CONCEG_API const char *conceg_recipe_text(conceg_recipe *recipe);
 
@@ -69,10 +78,14 @@ CONCEG_API int conceg_node_is_list(const conceg_node *node);
 /* Line in the recipe (1-based; 0 = set from the command line). */
 CONCEG_API uint32_t conceg_node_line(const conceg_node *node);
 /* Scalars; E_MISSING when node is NULL, E_PARAM (with name and line) when the text is not of that type. */
-CONCEG_API conceg_status conceg_node_f64(conceg_ctx *ctx, const conceg_node *node, double *out) CONCEG_NODISCARD;
-CONCEG_API conceg_status conceg_node_i64(conceg_ctx *ctx, const conceg_node *node, int64_t *out) CONCEG_NODISCARD;
-CONCEG_API conceg_status conceg_node_bool(conceg_ctx *ctx, const conceg_node *node, int *out) CONCEG_NODISCARD;
-CONCEG_API const char *conceg_node_text(const conceg_node *node); /* the scalar's text; NULL when not a scalar */
+CONCEG_API conceg_status conceg_node_f64(conceg_ctx *ctx, const conceg_node *node,
+                                         double *out) CONCEG_NODISCARD;
+CONCEG_API conceg_status conceg_node_i64(conceg_ctx *ctx, const conceg_node *node,
+                                         int64_t *out) CONCEG_NODISCARD;
+CONCEG_API conceg_status conceg_node_bool(conceg_ctx *ctx, const conceg_node *node,
+                                          int *out) CONCEG_NODISCARD;
+CONCEG_API const char *
+conceg_node_text(const conceg_node *node); /* the scalar's text; NULL when not a scalar */
 
 CONCEG_END_C
 #endif

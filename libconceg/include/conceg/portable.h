@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * Elementary functions with the same bits on every CPU. The C library picks variants with and without fused
- * multiply-add at run time, which differ in the last bit; anything that decides about the tissue uses these instead.
- * Relative error below 1e-15 in the ranges stated. Header-only; any thread. */
+ * multiply-add at run time, which differ in the last bit; anything that decides about the tissue uses these
+ * instead. Relative error below 1e-15 in the ranges stated. Header-only; any thread. */
 #ifndef CONCEG_PORTABLE_H
 #define CONCEG_PORTABLE_H
 
@@ -23,7 +23,8 @@ static inline double conceg_exp(double x) {
   if (x > 700.0) x = 700.0;
   k = __builtin_floor(x * 1.44269504088896340736 + 0.5);
   r = (x - k * 6.93147180369123816490e-01) - k * 1.90821492927058770002e-10;
-  for (i = 14; i > 0; i--) sum = 1.0 + sum * r / i;
+  for (i = 14; i > 0; i--)
+    sum = 1.0 + sum * r / i;
   return sum * conceg_pow2i((int)k);
 }
 
@@ -39,25 +40,38 @@ static inline double conceg_log(double x) {
   memcpy(&m, &bits, sizeof m);
   if (m > 1.41421356237309504880) m *= 0.5, exponent++;
   s = (m - 1.0) / (m + 1.0), s2 = s * s;
-  for (i = 23; i > 1; i -= 2) sum = (sum + 1.0 / i) * s2;
-  return exponent * 6.93147180369123816490e-01 + (2.0 * s * (1.0 + sum) + exponent * 1.90821492927058770002e-10);
+  for (i = 23; i > 1; i -= 2)
+    sum = (sum + 1.0 / i) * s2;
+  return exponent * 6.93147180369123816490e-01 +
+         (2.0 * s * (1.0 + sum) + exponent * 1.90821492927058770002e-10);
 }
 
 /* Sine and cosine for |x| < 1e5. */
 static inline void conceg_sincos(double x, double *sine, double *cosine) {
   const double n = __builtin_floor(x * 0.63661977236758134308 + 0.5);
-  const double r = ((x - n * 1.57079632673412561417e+00) - n * 6.07710050630396597660e-11) - n * 2.02226624879595063154e-21;
+  const double r = ((x - n * 1.57079632673412561417e+00) - n * 6.07710050630396597660e-11) -
+                   n * 2.02226624879595063154e-21;
   const double r2 = r * r;
   double s = 1.0, c = 1.0;
   int i;
-  for (i = 18; i > 1; i -= 2) s = 1.0 - s * r2 / (double)(i * (i + 1));
-  for (i = 19; i > 0; i -= 2) c = 1.0 - c * r2 / (double)(i * (i + 1));
+  for (i = 18; i > 1; i -= 2)
+    s = 1.0 - s * r2 / (double)(i * (i + 1));
+  for (i = 19; i > 0; i -= 2)
+    c = 1.0 - c * r2 / (double)(i * (i + 1));
   s *= r;
   switch ((int)((int64_t)n & 3)) {
-  case 0: *sine = s, *cosine = c; break;
-  case 1: *sine = c, *cosine = -s; break;
-  case 2: *sine = -s, *cosine = -c; break;
-  default: *sine = -c, *cosine = s; break;
+  case 0:
+    *sine = s, *cosine = c;
+    break;
+  case 1:
+    *sine = c, *cosine = -s;
+    break;
+  case 2:
+    *sine = -s, *cosine = -c;
+    break;
+  default:
+    *sine = -c, *cosine = s;
+    break;
   }
 }
 static inline double conceg_sin(double x) {
@@ -79,7 +93,8 @@ static inline double conceg_atan(double x) {
   y = y / (1.0 + __builtin_sqrt(1.0 + y * y));
   y = y / (1.0 + __builtin_sqrt(1.0 + y * y));
   y2 = y * y;
-  for (i = 27; i > 1; i -= 2) sum = -y2 * (1.0 / i + sum);
+  for (i = 27; i > 1; i -= 2)
+    sum = -y2 * (1.0 / i + sum);
   value = 4.0 * y * (1.0 + sum);
   if (inverted) value = 1.57079632679489661923 - value;
   return x < 0.0 ? -value : value;
@@ -100,6 +115,8 @@ static inline double conceg_acos(double x) {
 }
 
 /* x^y for x > 0. */
-static inline double conceg_pow(double x, double y) { return conceg_exp(y * conceg_log(x)); }
+static inline double conceg_pow(double x, double y) {
+  return conceg_exp(y * conceg_log(x));
+}
 
 #endif

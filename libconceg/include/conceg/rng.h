@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Counter-based random numbers (Philox4x32-10, Salmon et al., SC 2011): draw = f(seed, stage, id, counter). No state is
- * shared, so results do not depend on threads, on order, or on a neighbour's draws. Header-only; any thread. */
+ * Counter-based random numbers (Philox4x32-10, Salmon et al., SC 2011): draw = f(seed, stage, id, counter).
+ * No state is shared, so results do not depend on threads, on order, or on a neighbour's draws. Header-only;
+ * any thread. */
 #ifndef CONCEG_RNG_H
 #define CONCEG_RNG_H
 
@@ -25,7 +26,8 @@ static inline uint64_t conceg_rng_mix(uint64_t x) {
 /* FNV-1a of a name, to turn "grow" into a stage number. */
 static inline uint64_t conceg_rng_name(const char *name) {
   uint64_t hash = 0xcbf29ce484222325ull;
-  for (; *name; name++) hash = (hash ^ (uint8_t)*name) * 0x100000001b3ull;
+  for (; *name; name++)
+    hash = (hash ^ (uint8_t)*name) * 0x100000001b3ull;
   return hash;
 }
 
@@ -56,7 +58,9 @@ static inline uint64_t conceg_rng_u64(conceg_rng *rng) {
 }
 
 /* Uniform in [0, 1), 53 bits. */
-static inline double conceg_rng_uniform(conceg_rng *rng) { return (double)(conceg_rng_u64(rng) >> 11) * 0x1p-53; }
+static inline double conceg_rng_uniform(conceg_rng *rng) {
+  return (double)(conceg_rng_u64(rng) >> 11) * 0x1p-53;
+}
 
 /* Uniform integer in [0, n), n > 0, without bias that matters (64-bit multiply). */
 static inline uint64_t conceg_rng_below(conceg_rng *rng, uint64_t n) {
@@ -71,6 +75,8 @@ static inline double conceg_rng_normal(conceg_rng *rng) {
 }
 
 /* Exponential with mean 1. */
-static inline double conceg_rng_exponential(conceg_rng *rng) { return -conceg_log(1.0 - conceg_rng_uniform(rng)); }
+static inline double conceg_rng_exponential(conceg_rng *rng) {
+  return -conceg_log(1.0 - conceg_rng_uniform(rng));
+}
 
 #endif

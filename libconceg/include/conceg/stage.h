@@ -17,13 +17,13 @@ CONCEG_BEGIN_C
 #define CONCEG_STAGE_ARGUMENTS 16u /* takes positional arguments (input files) */
 
 typedef struct conceg_stage {
-  uint32_t abi;           /* CONCEG_STAGE_ABI */
-  uint32_t size;          /* sizeof(conceg_stage) as the plugin saw it */
-  const char *kind;       /* "grow": the word of the pipeline that it stands for */
-  const char *name;       /* "barcode": which implementation of it */
-  const char *version;    /* of the implementation, "1.0.0" */
-  const char *summary;    /* one line */
-  const char *example;    /* one command line for --help */
+  uint32_t abi;        /* CONCEG_STAGE_ABI */
+  uint32_t size;       /* sizeof(conceg_stage) as the plugin saw it */
+  const char *kind;    /* "grow": the word of the pipeline that it stands for */
+  const char *name;    /* "barcode": which implementation of it */
+  const char *version; /* of the implementation, "1.0.0" */
+  const char *summary; /* one line */
+  const char *example; /* one command line for --help */
   const conceg_param *params;
   const char *const *reads;  /* groups that must be there, NULL-terminated */
   const char *const *writes; /* groups that the stage makes; what depends on them is dropped by the host */

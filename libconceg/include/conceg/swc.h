@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * SWC and SWC-plus (spec/swc-plus.md): a tolerant reader that reports every problem with its line, and a writer.
- * Lengths in um. */
+ * SWC and SWC-plus (spec/swc-plus.md): a tolerant reader that reports every problem with its line, and a
+ * writer. Lengths in um. */
 #ifndef CONCEG_SWC_H
 #define CONCEG_SWC_H
 
@@ -20,21 +20,26 @@ CONCEG_BEGIN_C
 
 typedef struct conceg_swc conceg_swc;
 
-/* Reads a file or text. All problems are collected first, then decided: E_FORMAT when one is an error (the context's error
- * names the first: file:line: code: text), and *out is still set so that the problems can be listed; free it always. */
-CONCEG_API conceg_status conceg_swc_read(conceg_ctx *ctx, const char *path, uint32_t flags, conceg_swc **out) CONCEG_NODISCARD;
+/* Reads a file or text. All problems are collected first, then decided: E_FORMAT when one is an error (the
+ * context's error names the first: file:line: code: text), and *out is still set so that the problems can be
+ * listed; free it always. */
+CONCEG_API conceg_status conceg_swc_read(conceg_ctx *ctx, const char *path, uint32_t flags,
+                                         conceg_swc **out) CONCEG_NODISCARD;
 CONCEG_API conceg_status conceg_swc_parse(conceg_ctx *ctx, const char *text, size_t length, const char *name,
                                           uint32_t flags, conceg_swc **out) CONCEG_NODISCARD;
 CONCEG_API void conceg_swc_free(conceg_swc *swc);
 
-/* Neurite samples, soma samples left out, in preorder (parent < child; children in file order). Borrowed views. */
+/* Neurite samples, soma samples left out, in preorder (parent < child; children in file order). Borrowed
+ * views. */
 CONCEG_API uint64_t conceg_swc_count(const conceg_swc *swc);
 CONCEG_API const double *conceg_swc_position(const conceg_swc *swc); /* [count][3], um */
 CONCEG_API const double *conceg_swc_radius(const conceg_swc *swc);   /* [count], um, as written */
 CONCEG_API const int32_t *conceg_swc_kind(const conceg_swc *swc);    /* [count], SWC code */
-CONCEG_API const int64_t *conceg_swc_parent(const conceg_swc *swc);  /* [count], index; -1 = soma or no parent */
-CONCEG_API const uint8_t *conceg_swc_on_soma(const conceg_swc *swc); /* [count], 1 = its parent is the soma, 0 = floating root or inner */
-CONCEG_API const uint32_t *conceg_swc_line(const conceg_swc *swc);   /* [count], line in the file */
+CONCEG_API const int64_t *
+conceg_swc_parent(const conceg_swc *swc); /* [count], index; -1 = soma or no parent */
+CONCEG_API const uint8_t *conceg_swc_on_soma(
+    const conceg_swc *swc); /* [count], 1 = its parent is the soma, 0 = floating root or inner */
+CONCEG_API const uint32_t *conceg_swc_line(const conceg_swc *swc); /* [count], line in the file */
 
 typedef enum conceg_soma_form {
   CONCEG_SOMA_NONE = 0,
@@ -48,16 +53,19 @@ typedef enum conceg_soma_form {
 /* The soma as a sphere: form, centre (um) and radius (um; 0 when there is none). */
 CONCEG_API conceg_soma_form conceg_swc_soma(const conceg_swc *swc, double center[3], double *radius);
 
-/* Problems in line order: severity (0 error, 1 warning), line (0 = whole file), code such as "W_ORPHAN", text. 0 past the end. */
+/* Problems in line order: severity (0 error, 1 warning), line (0 = whole file), code such as "W_ORPHAN",
+ * text. 0 past the end. */
 CONCEG_API int conceg_swc_problem(const conceg_swc *swc, uint32_t index, uint32_t *severity, uint32_t *line,
                                   const char **code, const char **text);
 
-/* SWC-plus extras: value of an INCF "#key value" or "# @conceg {json}" line; exact per-node columns of the footer.
- * A column is [count] doubles in the order of the views above, or NULL when the file has none of that name. */
+/* SWC-plus extras: value of an INCF "#key value" or "# @conceg {json}" line; exact per-node columns of the
+ * footer. A column is [count] doubles in the order of the views above, or NULL when the file has none of that
+ * name. */
 CONCEG_API const char *conceg_swc_header(const conceg_swc *swc, const char *key);
 CONCEG_API const double *conceg_swc_column(const conceg_swc *swc, const char *name);
 
-/* A parent that makes a sample a root of its own although the cell has a soma (pieces cut at the sides of a box). */
+/* A parent that makes a sample a root of its own although the cell has a soma (pieces cut at the sides of a
+ * box). */
 #define CONCEG_SWC_FLOATING (-2)
 
 /* One cell to write. Arrays are borrowed. parent -1 = on the soma (or a root when soma_radius is 0). */
@@ -70,14 +78,17 @@ typedef struct conceg_swc_cell {
   const uint8_t *kind;    /* [count] SWC code */
   const int64_t *parent;  /* [count], parent < child; -1 or CONCEG_SWC_FLOATING for a root */
   double soma[3];
-  double soma_radius;                 /* 0 = no soma row */
-  const char *const *header;          /* NULL-terminated lines without the leading "# ", e.g. "@conceg {...}" ; may be NULL */
-  const char *const *column_name;     /* [column_count] */
-  const double *const *column;        /* [column_count][count], written as exact hex floats in the footer */
+  double soma_radius; /* 0 = no soma row */
+  const char *const
+      *header; /* NULL-terminated lines without the leading "# ", e.g. "@conceg {...}" ; may be NULL */
+  const char *const *column_name; /* [column_count] */
+  const double *const *column;    /* [column_count][count], written as exact hex floats in the footer */
 } conceg_swc_cell;
 
-/* Writes SWC-plus: one cell, whole or not at all. Errors: E_IO, E_RANGE (radius <= 0, not finite), E_FORMAT (parent order). */
-CONCEG_API conceg_status conceg_swc_write(conceg_ctx *ctx, const char *path, const conceg_swc_cell *cell) CONCEG_NODISCARD;
+/* Writes SWC-plus: one cell, whole or not at all. Errors: E_IO, E_RANGE (radius <= 0, not finite), E_FORMAT
+ * (parent order). */
+CONCEG_API conceg_status conceg_swc_write(conceg_ctx *ctx, const char *path,
+                                          const conceg_swc_cell *cell) CONCEG_NODISCARD;
 
 CONCEG_END_C
 #endif

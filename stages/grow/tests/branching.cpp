@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Branching: the hazard against its closed form, the paper's probability, directions, and who may carry a bar.
+// Branching: the hazard against its closed form, the paper's probability, directions, and who may carry a
+// bar.
 #include "branch.hpp"
 #include "check.h"
 #include "world.hpp"
@@ -35,7 +36,8 @@ void hazard() {
   // Certain at the start, never before the host's place.
   CHECK_NEAR(early_distance(1.0, 5.0, 1e9), 0.0, 0.0);
   CHECK_NEAR(early_distance(1.0, 2.0, 0.0), 2.0, 1e-12);
-  // Survival to x < ahead is exp(-(e^{-lambda x} - e^{-lambda ahead}) / lambda h0): its median by hand for lambda 1.
+  // Survival to x < ahead is exp(-(e^{-lambda x} - e^{-lambda ahead}) / lambda h0): its median by hand for
+  // lambda 1.
   CHECK_NEAR(early_distance(1.0, 50.0, std::log(2.0)), -std::log(std::log(2.0)), 1e-12);
   CHECK_NEAR(step_probability(1.0, 8.0, 10.0), std::exp(-2.0), 1e-12);
   CHECK_NEAR(step_probability(1.0, 12.0, 10.0), 1.0, 0.0);
@@ -100,8 +102,9 @@ void handed_on() {
   CHECK_EQUAL(free.summary.done, 3);
   // Near the soma room is left in two tunnels only: one up for the root bar, one aside that ends after 7 um.
   for (std::size_t i = 0; i < world.node_radius.size(); i++) {
-    const double x = world.node[3 * i] - 20.0, y = world.node[3 * i + 1] - 20.0, z = world.node[3 * i + 2] - 11.0;
-    const bool up = std::hypot(x, y) < 0.85, aside = x > 0.0 && x < 7.0 && std::hypot(y, z) < 0.85;
+    const double x = world.node[3 * i] - 20.0, y = world.node[3 * i + 1] - 20.0,
+                 z = world.node[3 * i + 2] - 11.0;
+    const bool up = std::hypot(x, y)<0.85, aside = x> 0.0 && x < 7.0 && std::hypot(y, z) < 0.85;
     if (!up && !aside && std::fabs(z - 3.0) < 6.0) world.node_radius[i] = 0.05f;
   }
   const Grown grown = grow_world(world, parameters);
@@ -121,7 +124,8 @@ void per_step() {
   world.add_random_trees(4, 8, 80, 0.3, 9);
   world.make_network(1.0, 0.2, 1.25);
   Parameters paper;
-  paper.hazard = Hazard::per_step, paper.occupancy = Occupancy::nodes, paper.smoothing = 0.0, paper.length_factor = true;
+  paper.hazard = Hazard::per_step, paper.occupancy = Occupancy::nodes, paper.smoothing = 0.0,
+  paper.length_factor = true;
   paper.radius_fraction = 1.0, paper.lambda_per_um = 0.3;
   const Grown grown = grow_world(world, paper);
   double early = 0.0;
@@ -132,7 +136,8 @@ void per_step() {
     early += world.start[bar] - grown.bars.achieved_start[bar], forks++;
   }
   CHECK(forks > 10);
-  CHECK_NEAR(early / static_cast<double>(forks), 6.0, 3.5); // about Ein(1 / 0.3) / 0.3 where the host is long enough
+  CHECK_NEAR(early / static_cast<double>(forks), 6.0,
+             3.5); // about Ein(1 / 0.3) / 0.3 where the host is long enough
 }
 
 } // namespace

@@ -72,9 +72,11 @@ void one_cell_in_empty_space(const World &world, double smoothing) {
   check_bars(world, grown, 1.0); // within one step
   const Measures measures = measure(grown.state, grown.skeleton);
   double asked = 0.0;
-  for (std::size_t bar = 0; bar < world.tree.size(); bar++) asked += world.end[bar] - world.start[bar];
+  for (std::size_t bar = 0; bar < world.tree.size(); bar++)
+    asked += world.end[bar] - world.start[bar];
   CHECK_NEAR(measures.cable_um / asked, 1.0, 0.03);
-  printf("smoothing %g: straightness %.3f, fork angle off by %.1f deg\n", smoothing, measures.straightness, grown.summary.angle_error * 57.2957795);
+  printf("smoothing %g: straightness %.3f, fork angle off by %.1f deg\n", smoothing, measures.straightness,
+         grown.summary.angle_error * 57.2957795);
   CHECK(measures.straightness > 0.8 && measures.straightness < 0.95);
   if (smoothing > 0.0) CHECK(grown.summary.angle_error < 0.15);
 }
@@ -83,9 +85,11 @@ void head_on() {
   World world;
   world.make_box(24, true);
   world.add_cell({6, 12, 12}, 2.0);
-  for (std::uint32_t t = 0; t < 6; t++) world.add_bar(t, -1, 0, 40, {18, 10.0 + 0.8 * t, 12}, 0.5);
+  for (std::uint32_t t = 0; t < 6; t++)
+    world.add_bar(t, -1, 0, 40, {18, 10.0 + 0.8 * t, 12}, 0.5);
   world.add_cell({18, 12, 12}, 2.0);
-  for (std::uint32_t t = 0; t < 6; t++) world.add_bar(t, -1, 0, 40, {6, 10.0 + 0.8 * t, 12}, 0.5);
+  for (std::uint32_t t = 0; t < 6; t++)
+    world.add_bar(t, -1, 0, 40, {6, 10.0 + 0.8 * t, 12}, 0.5);
   world.make_network(1.0, 0.2, 1.25);
   const Grown grown = grow_world(world);
   CHECK_NEAR(deepest_overlap(world, grown.skeleton), 0.0, 0.0);
@@ -108,9 +112,11 @@ void through_the_face() {
     const Grown grown = grow_world(world);
     double far = 0.0, least = 1e9, longest = 0.0;
     for (std::size_t i = 0; i < grown.skeleton.position.size(); i++) {
-      far = std::max(far, grown.skeleton.position[i].x), least = std::min(least, grown.skeleton.position[i].x);
+      far = std::max(far, grown.skeleton.position[i].x),
+      least = std::min(least, grown.skeleton.position[i].x);
       if (grown.skeleton.parent[i] >= 0)
-        longest = std::max(longest, glm::distance(grown.skeleton.position[i], grown.skeleton.position[grown.skeleton.parent[i]]));
+        longest = std::max(longest, glm::distance(grown.skeleton.position[i],
+                                                  grown.skeleton.position[grown.skeleton.parent[i]]));
     }
     CHECK(longest < 3.0);
     if (periodic) {
@@ -135,14 +141,16 @@ void jam() {
   world.make_network(1.0, 0.2, 1.25);
   const Grown grown = grow_world(world);
   CHECK(grown.summary.cut_short + grown.summary.lost > 0);
-  CHECK_EQUAL(grown.summary.done + grown.summary.cut_short + grown.summary.lost + grown.summary.handed, world.tree.size());
+  CHECK_EQUAL(grown.summary.done + grown.summary.cut_short + grown.summary.lost + grown.summary.handed,
+              world.tree.size());
   CHECK_NEAR(deepest_overlap(world, grown.skeleton), 0.0, 0.0);
   check_skeleton(world, grown.skeleton);
   check_bars(world, grown, 12.0);
   for (std::size_t i = 0; i < grown.skeleton.radius.size(); i++) {
     CHECK(grown.skeleton.radius[i] >= 0.15f - 1e-6f);
     CHECK(grown.skeleton.radius[i] <= grown.skeleton.target_radius[i] + 1e-6f);
-    CHECK_EQUAL(grown.skeleton.status[i], grown.skeleton.radius[i] < 0.98 * std::max(0.6 * grown.skeleton.target_radius[i], 0.15));
+    CHECK_EQUAL(grown.skeleton.status[i],
+                grown.skeleton.radius[i] < 0.98 * std::max(0.6 * grown.skeleton.target_radius[i], 0.15));
   }
   // The paper's own test, at nodes alone, lets processes cross: the check can fail.
   Parameters paper;

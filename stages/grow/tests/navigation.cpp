@@ -19,7 +19,8 @@ void costs() {
   CHECK_NEAR(attractor_cost(s, {0, 1, 0}, t, false), 0.5, 1e-15);
   CHECK_NEAR(attractor_cost(s, {-3, 0, 0}, t, false), 1.0, 1e-15);
   // 45 degrees, |s-c| = 2: 1/2 * 2/3 * (1 - sqrt(1/2)).
-  CHECK_NEAR(attractor_cost(s, {std::sqrt(2.0), std::sqrt(2.0), 0}, t, true), (1.0 - std::sqrt(0.5)) / 3.0, 1e-15);
+  CHECK_NEAR(attractor_cost(s, {std::sqrt(2.0), std::sqrt(2.0), 0}, t, true), (1.0 - std::sqrt(0.5)) / 3.0,
+             1e-15);
   CHECK_NEAR(radius_cost(0.5, 0.2), 0.6, 1e-15);
   CHECK_NEAR(radius_cost(0.5, 0.5), 0.0, 0.0);
   CHECK_NEAR(radius_cost(0.5, 2.0), 0.0, 0.0);
@@ -38,16 +39,18 @@ struct Star {
   std::vector<std::uint32_t> tree = {0};
   std::vector<std::int64_t> parent = {-1};
   std::vector<std::uint8_t> neurite = {3};
-  std::vector<double> start = {0}, end = {20}, attractor = {20, 5, 5}, angle = {0}, r = {0.5}, taper = {0}, floor = {0.1};
+  std::vector<double> start = {0}, end = {20}, attractor = {20, 5, 5}, angle = {0}, r = {0.5}, taper = {0},
+                      floor = {0.1};
   State state;
 
   Star() {
     Input &in = state.input;
-    for (int a = 0; a < 3; a++) in.box.hi[a] = 10.0, in.box.periodic[a] = 1;
+    for (int a = 0; a < 3; a++)
+      in.box.hi[a] = 10.0, in.box.periodic[a] = 1;
     in.network = {6, position.data(), radius.data(), offset.data(), edge.data(), shift.data()};
     in.cells = {2, id.data(), soma.data(), soma_radius.data()};
-    in.bars = {1, cell_offset.data(), tree.data(), parent.data(), neurite.data(), start.data(), end.data(), attractor.data(),
-               angle.data(), r.data(), taper.data(), floor.data()};
+    in.bars = {1,          cell_offset.data(), tree.data(),  parent.data(), neurite.data(), start.data(),
+               end.data(), attractor.data(),   angle.data(), r.data(),      taper.data(),   floor.data()};
     state.projections.resize(1);
     state.projections[0].attractor = {20, 5, 5};
     make_space(state);
@@ -105,7 +108,8 @@ void attractors() {
   CHECK(attractor_reached(attractor, {16, 2, 0}, ahead));
   CHECK(attractor_reached(attractor, {24, 8, 0}, ahead));   // missed, and behind the tip
   CHECK(!attractor_reached(attractor, {24, 8, 0}, -ahead)); // still ahead of the tip
-  CHECK(!attractor_reached(attractor, {40, 8, 0}, ahead));  // so far behind that something else turned the tip away
+  CHECK(!attractor_reached(attractor, {40, 8, 0},
+                           ahead)); // so far behind that something else turned the tip away
   Projection projection;
   projection.attractor = attractor;
   for (int i = 0; i <= 8; i++) {

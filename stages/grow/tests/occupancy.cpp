@@ -9,13 +9,17 @@ namespace {
 
 void distances() {
   conceg_rng rng = conceg_rng_stream(5, "test.distances", 1);
-  const auto point = [&] { return glm::dvec3(conceg_rng_uniform(&rng), conceg_rng_uniform(&rng), conceg_rng_uniform(&rng)) * 4.0 - 2.0; };
+  const auto point = [&] {
+    return glm::dvec3(conceg_rng_uniform(&rng), conceg_rng_uniform(&rng), conceg_rng_uniform(&rng)) * 4.0 -
+           2.0;
+  };
   for (int trial = 0; trial < 200; trial++) {
     const glm::dvec3 between = point(), h1 = 0.5 * point(), h2 = trial % 7 ? 0.5 * point() : h1 * 1.5;
     const double got = segment_segment_distance(between, h1, h2);
     double least = 1e9;
     for (int i = -40; i <= 40; i++)
-      for (int j = -40; j <= 40; j++) least = std::min(least, glm::distance(between + h1 * (i / 40.0), h2 * (j / 40.0)));
+      for (int j = -40; j <= 40; j++)
+        least = std::min(least, glm::distance(between + h1 * (i / 40.0), h2 * (j / 40.0)));
     CHECK(got <= least + 1e-12);
     CHECK(got >= least - 0.06);
   }
@@ -42,7 +46,8 @@ State empty_state(World &world) {
   return state;
 }
 
-std::uint32_t add(State &state, const glm::dvec3 &a, const glm::dvec3 &b, double r, std::uint32_t cell, std::uint32_t bar, double path) {
+std::uint32_t add(State &state, const glm::dvec3 &a, const glm::dvec3 &b, double r, std::uint32_t cell,
+                  std::uint32_t bar, double path) {
   state.space.segments.push_back(make_segment(state.input.box, a, b, r, cell, bar, path));
   const auto id = static_cast<std::uint32_t>(state.space.segments.size() - 1);
   insert_capsule(state.space, id);
@@ -52,7 +57,8 @@ std::uint32_t add(State &state, const glm::dvec3 &a, const glm::dvec3 &b, double
 void clearances() {
   World world;
   State state = empty_state(world);
-  const auto probe = [&](const glm::dvec3 &a, const glm::dvec3 &b, std::uint32_t cell, std::uint32_t bar, double path) {
+  const auto probe = [&](const glm::dvec3 &a, const glm::dvec3 &b, std::uint32_t cell, std::uint32_t bar,
+                         double path) {
     return clearance(state, make_segment(state.input.box, a, b, 0.4, cell, bar, path), 0.4, 0.15);
   };
   CHECK_NEAR(probe({8, 8, 8}, {9, 8, 8}, 0, 0, 10), 0.4, 0.0);
@@ -93,7 +99,8 @@ void grows_back() {
   std::vector<std::uint32_t> ids;
   for (int i = 0; i < 3; i++)
     for (const std::uint32_t cell : {0u, 1u})
-      ids.push_back(add(state, {11.0 + i, 7.9, 8.0 + 0.9 * cell}, {12.0 + i, 7.9, 8.0 + 0.9 * cell}, 0.3, cell, cell ? 2 : 0, 5.0 + i));
+      ids.push_back(add(state, {11.0 + i, 7.9, 8.0 + 0.9 * cell}, {12.0 + i, 7.9, 8.0 + 0.9 * cell}, 0.3,
+                        cell, cell ? 2 : 0, 5.0 + i));
   for (const std::uint32_t id : ids) {
     state.space.segments[id].in_field = 1;
     lower_field(state.input, state.space, id);
@@ -124,10 +131,12 @@ void after_collapses() {
   CHECK(grown.summary.collapses > 20);
   CHECK(field_is_fresh(grown.state));
   std::size_t alive = 0, marked = 0, used = 0;
-  for (const Segment &segment : grown.state.space.segments) alive += segment.alive && segment.bar != none;
+  for (const Segment &segment : grown.state.space.segments)
+    alive += segment.alive && segment.bar != none;
   for (const Projection &projection : grown.state.projections)
     if (projection.chain.size() > 1) used += projection.chain.size() - 1;
-  for (const std::uint32_t mark : grown.state.space.mark) marked += mark != none;
+  for (const std::uint32_t mark : grown.state.space.mark)
+    marked += mark != none;
   CHECK_EQUAL(alive, used);
   CHECK(marked <= used && marked > used / 2);
 }

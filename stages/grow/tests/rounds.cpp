@@ -10,10 +10,11 @@ namespace {
 
 bool same(const Grown &a, const Grown &b) {
   const Skeleton &x = a.skeleton, &y = b.skeleton;
-  return same_bytes(x.position, y.position) && same_bytes(x.radius, y.radius) && same_bytes(x.parent, y.parent) &&
-         same_bytes(x.branch, y.branch) && same_bytes(x.bar, y.bar) && same_bytes(x.status, y.status) &&
-         same_bytes(a.bars.achieved_start, b.bars.achieved_start) && same_bytes(a.bars.achieved_end, b.bars.achieved_end) &&
-         same_bytes(a.bars.state, b.bars.state) && same_bytes(a.bars.handed_to, b.bars.handed_to) &&
+  return same_bytes(x.position, y.position) && same_bytes(x.radius, y.radius) &&
+         same_bytes(x.parent, y.parent) && same_bytes(x.branch, y.branch) && same_bytes(x.bar, y.bar) &&
+         same_bytes(x.status, y.status) && same_bytes(a.bars.achieved_start, b.bars.achieved_start) &&
+         same_bytes(a.bars.achieved_end, b.bars.achieved_end) && same_bytes(a.bars.state, b.bars.state) &&
+         same_bytes(a.bars.handed_to, b.bars.handed_to) &&
          same_bytes(a.state.space.field, b.state.space.field);
 }
 
@@ -30,29 +31,35 @@ World crowded(int cells) {
 
 void threads() {
   const World world = crowded(4);
-  const Grown one = grow_world(world, {}, 1), two = grow_world(world, {}, 2), three = grow_world(world, {}, 3);
+  const Grown one = grow_world(world, {}, 1), two = grow_world(world, {}, 2),
+              three = grow_world(world, {}, 3);
   CHECK(one.summary.collapses > 0 && one.summary.deferred > 0);
   CHECK(same(one, two));
   CHECK(same(one, three));
   CHECK(!same(one, grow_world(world, {}, 2, 2))); // another seed
   CHECK_EQUAL(two.summary.steps_by_worker.size(), 2);
-  for (const std::uint64_t steps : two.summary.steps_by_worker) CHECK(5 * steps > two.summary.steps);
-  for (const std::uint64_t steps : three.summary.steps_by_worker) CHECK(5 * steps > three.summary.steps);
+  for (const std::uint64_t steps : two.summary.steps_by_worker)
+    CHECK(5 * steps > two.summary.steps);
+  for (const std::uint64_t steps : three.summary.steps_by_worker)
+    CHECK(5 * steps > three.summary.steps);
 }
 
 // One cell alone still gives every worker its share.
 void one_cell() {
   const World world = crowded(1);
   const Grown two = grow_world(world, {}, 2);
-  for (const std::uint64_t steps : two.summary.steps_by_worker) CHECK(5 * steps > two.summary.steps);
+  for (const std::uint64_t steps : two.summary.steps_by_worker)
+    CHECK(5 * steps > two.summary.steps);
 }
 
 void team() {
-  Team workers(3);
+  conceg::Team workers(3);
   std::vector<int> done(1000, 0);
-  for (int round = 0; round < 200; round++) workers.loop(done.size(), [&](std::size_t i, unsigned) { done[i]++; });
+  for (int round = 0; round < 200; round++)
+    workers.loop(done.size(), [&](std::size_t i, unsigned) { done[i]++; });
   bool all = true;
-  for (const int times : done) all &= times == 200;
+  for (const int times : done)
+    all &= times == 200;
   CHECK(all);
   bool thrown = false;
   try {

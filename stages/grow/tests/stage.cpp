@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The stage on a document: valid output, the same bytes for any number of threads, clear errors for broken input.
+// The stage on a document: valid output, the same bytes for any number of threads, clear errors for broken
+// input.
 #include "check.h"
 #include "conceg/run.h"
 #include "view.hpp"
@@ -99,7 +100,8 @@ void breaks(const char *says, conceg_status expected, const std::function<void(W
   change(world);
   const Outcome outcome = run(world, 1);
   CHECK_EQUAL(outcome.status, expected);
-  if (outcome.error.find(says) == std::string::npos) fprintf(stderr, "expected \"%s\" in \"%s\"\n", says, outcome.error.c_str());
+  if (outcome.error.find(says) == std::string::npos)
+    fprintf(stderr, "expected \"%s\" in \"%s\"\n", says, outcome.error.c_str());
   CHECK(outcome.error.find(says) != std::string::npos);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A made-up world for the tests of growth: jittered body-centred nodes joined by distance, cells with random barcodes, and
-// checks of what grew.
+// A made-up world for the tests of growth: jittered body-centred nodes joined by distance, cells with random
+// barcodes, and checks of what grew.
 #pragma once
 
 #include "deliver.hpp"
@@ -33,7 +33,8 @@ struct World {
   std::vector<double> start, end, attractor, angle, radius, taper, floor;
 
   void make_box(double side, bool periodic) {
-    for (int a = 0; a < 3; a++) box.lo[a] = 0.0, box.hi[a] = side, box.periodic[a] = periodic;
+    for (int a = 0; a < 3; a++)
+      box.lo[a] = 0.0, box.hi[a] = side, box.periodic[a] = periodic;
   }
 
   void add_cell(const glm::dvec3 &at, double r) {
@@ -43,8 +44,8 @@ struct World {
     bar_offset.push_back(tree.size());
   }
   // A bar of the last cell.
-  void add_bar(std::uint32_t in_tree, std::int64_t of, double from, double to, const glm::dvec3 &towards, double r,
-               double branch_angle = 1.1) {
+  void add_bar(std::uint32_t in_tree, std::int64_t of, double from, double to, const glm::dvec3 &towards,
+               double r, double branch_angle = 1.1) {
     tree.push_back(in_tree), parent.push_back(of), neurite.push_back(3);
     start.push_back(from), end.push_back(to);
     attractor.insert(attractor.end(), {towards.x, towards.y, towards.z});
@@ -52,7 +53,8 @@ struct World {
     bar_offset.back() = tree.size();
   }
 
-  // Nodes: two per cubic cell of side h, shifted by at most jitter x h; edges between all nodes nearer than `join`.
+  // Nodes: two per cubic cell of side h, shifted by at most jitter x h; edges between all nodes nearer than
+  // `join`.
   void make_network(double h, double jitter, double join) {
     const int n = static_cast<int>((box.hi[0] - box.lo[0]) / h + 0.5);
     conceg_rng rng = conceg_rng_stream(7, "test.nodes", 1);
@@ -61,13 +63,15 @@ struct World {
       for (int y = 0; y < n; y++)
         for (int z = 0; z < n; z++)
           for (int half = 0; half < 2; half++)
-            for (const int i : {x, y, z}) node.push_back(conceg_snap((i + 0.25 + 0.5 * half) * h + shift()));
+            for (const int i : {x, y, z})
+              node.push_back(conceg_snap((i + 0.25 + 0.5 * half) * h + shift()));
     const std::size_t nodes = node.size() / 3;
     std::map<std::vector<int>, std::vector<std::uint32_t>> buckets;
     const auto bucket = [&](std::size_t i, int a) { return static_cast<int>(node[3 * i + a] / join); };
     const int m = static_cast<int>((box.hi[0] - box.lo[0]) / join);
     const auto clamp = [&](int i) { return i >= m ? m - 1 : i; };
-    for (std::uint32_t i = 0; i < nodes; i++) buckets[{clamp(bucket(i, 0)), clamp(bucket(i, 1)), clamp(bucket(i, 2))}].push_back(i);
+    for (std::uint32_t i = 0; i < nodes; i++)
+      buckets[{clamp(bucket(i, 0)), clamp(bucket(i, 1)), clamp(bucket(i, 2))}].push_back(i);
     const double side = box.hi[0] - box.lo[0];
     edge_offset.push_back(0);
     for (std::uint32_t i = 0; i < nodes; i++) {
@@ -92,7 +96,8 @@ struct World {
               }
               if (square < 1e-12 || square > join * join) continue;
               edge.push_back(j);
-              for (int a = 0; a < 3; a++) edge_shift.push_back(static_cast<std::int8_t>(lift[a]));
+              for (int a = 0; a < 3; a++)
+                edge_shift.push_back(static_cast<std::int8_t>(lift[a]));
             }
           }
       edge_offset.push_back(edge.size());
@@ -112,10 +117,11 @@ struct World {
   conceg::grow::Input input(std::uint64_t seed = 1) const {
     conceg::grow::Input in;
     in.box = box, in.seed = seed;
-    in.network = {node.size() / 3, node.data(), node_radius.data(), edge_offset.data(), edge.data(), edge_shift.data()};
+    in.network = {node.size() / 3,    node.data(), node_radius.data(),
+                  edge_offset.data(), edge.data(), edge_shift.data()};
     in.cells = {cell_id.size(), cell_id.data(), soma.data(), soma_radius.data()};
-    in.bars = {tree.size(), bar_offset.data(), tree.data(), parent.data(), neurite.data(), start.data(), end.data(),
-               attractor.data(), angle.data(), radius.data(), taper.data(), floor.data()};
+    in.bars = {tree.size(), bar_offset.data(), tree.data(),  parent.data(), neurite.data(), start.data(),
+               end.data(),  attractor.data(),  angle.data(), radius.data(), taper.data(),   floor.data()};
     return in;
   }
 
@@ -124,7 +130,9 @@ struct World {
     conceg_rng rng = conceg_rng_stream(11, "test.bars", id);
     const auto direction = [&] {
       glm::dvec3 d;
-      do d = glm::dvec3(conceg_rng_uniform(&rng), conceg_rng_uniform(&rng), conceg_rng_uniform(&rng)) * 2.0 - 1.0;
+      do
+        d = glm::dvec3(conceg_rng_uniform(&rng), conceg_rng_uniform(&rng), conceg_rng_uniform(&rng)) * 2.0 -
+            1.0;
       while (glm::dot(d, d) > 1.0 || glm::dot(d, d) < 0.01);
       return glm::normalize(d);
     };
@@ -138,7 +146,8 @@ struct World {
         const std::int64_t of = b == 0 ? -1 : first + static_cast<std::int64_t>(conceg_rng_below(&rng, made));
         const std::size_t host = bar_offset[c] + static_cast<std::size_t>(std::max<std::int64_t>(of, 0));
         if (b > 0 && end[host] - start[host] < 12.0) continue;
-        const double from = b == 0 ? 0.0 : start[host] + 3.0 + (end[host] - start[host] - 6.0) * conceg_rng_uniform(&rng);
+        const double from =
+            b == 0 ? 0.0 : start[host] + 3.0 + (end[host] - start[host] - 6.0) * conceg_rng_uniform(&rng);
         const double to = b == 0 ? longest : from + 2.0 + (end[host] - from - 2.0) * conceg_rng_uniform(&rng);
         const glm::dvec3 u = glm::normalize(trunk + 0.7 * direction());
         const double far = 0.8 * to + soma_radius[c];
@@ -155,8 +164,8 @@ struct Grown {
   conceg::grow::BarReport bars;
 };
 
-inline Grown grow_world(const World &world, const conceg::grow::Parameters &parameters = {}, unsigned threads = 1,
-                        std::uint64_t seed = 1) {
+inline Grown grow_world(const World &world, const conceg::grow::Parameters &parameters = {},
+                        unsigned threads = 1, std::uint64_t seed = 1) {
   Grown grown;
   grown.state.input = world.input(seed);
   grown.state.parameters = parameters;
@@ -166,7 +175,8 @@ inline Grown grow_world(const World &world, const conceg::grow::Parameters &para
   return grown;
 }
 
-// Deepest overlap between delivered pieces (and somas) of different cells or of different images of one cell, um; 0 = none.
+// Deepest overlap between delivered pieces (and somas) of different cells or of different images of one cell,
+// um; 0 = none.
 inline double deepest_overlap(const World &world, const conceg::grow::Skeleton &skeleton) {
   struct Piece {
     glm::dvec3 middle, half;
@@ -176,11 +186,16 @@ inline double deepest_overlap(const World &world, const conceg::grow::Skeleton &
   };
   std::vector<Piece> pieces;
   for (std::uint32_t c = 0; c < world.cell_id.size(); c++) {
-    pieces.push_back({{world.soma[3 * c], world.soma[3 * c + 1], world.soma[3 * c + 2]}, glm::dvec3(0.0), world.soma_radius[c], c, true});
+    pieces.push_back({{world.soma[3 * c], world.soma[3 * c + 1], world.soma[3 * c + 2]},
+                      glm::dvec3(0.0),
+                      world.soma_radius[c],
+                      c,
+                      true});
     for (std::size_t i = skeleton.cell_offset[c]; i < skeleton.cell_offset[c + 1]; i++) {
       if (skeleton.parent[i] < 0) continue;
       const std::size_t p = skeleton.cell_offset[c] + static_cast<std::size_t>(skeleton.parent[i]);
-      pieces.push_back({0.5 * (skeleton.position[i] + skeleton.position[p]), 0.5 * (skeleton.position[i] - skeleton.position[p]),
+      pieces.push_back({0.5 * (skeleton.position[i] + skeleton.position[p]),
+                        0.5 * (skeleton.position[i] - skeleton.position[p]),
                         std::max(skeleton.radius[i], skeleton.radius[p]), c, false});
     }
   }
@@ -195,19 +210,23 @@ inline double deepest_overlap(const World &world, const conceg::grow::Skeleton &
         d[a] = near;
       }
       if (pieces[i].cell == pieces[j].cell && !moved) continue;
-      const double reach = glm::length(pieces[i].half) + glm::length(pieces[j].half) + pieces[i].radius + pieces[j].radius;
+      const double reach =
+          glm::length(pieces[i].half) + glm::length(pieces[j].half) + pieces[i].radius + pieces[j].radius;
       if (glm::dot(d, d) > reach * reach) continue;
-      const double gap = conceg::grow::segment_segment_distance(d, pieces[i].half, pieces[j].half) - pieces[i].radius - pieces[j].radius;
+      const double gap = conceg::grow::segment_segment_distance(d, pieces[i].half, pieces[j].half) -
+                         pieces[i].radius - pieces[j].radius;
       deepest = std::max(deepest, -gap);
     }
   return deepest;
 }
 
-// The barcode of the delivered points: per bar of one cell its start and end, measured along the delivered line.
+// The barcode of the delivered points: per bar of one cell its start and end, measured along the delivered
+// line.
 struct Measured {
   double start, end;
 };
-inline std::map<std::uint32_t, Measured> measured_bars(const conceg::grow::Skeleton &skeleton, std::uint32_t cell) {
+inline std::map<std::uint32_t, Measured> measured_bars(const conceg::grow::Skeleton &skeleton,
+                                                       std::uint32_t cell) {
   std::map<std::uint32_t, Measured> found;
   const std::size_t first = skeleton.cell_offset[cell];
   std::vector<double> path(skeleton.cell_offset[cell + 1] - first, 0.0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A team of threads for many short rounds. Work is split statically, so that every worker does its share whatever the machine
-// is doing; a waiting worker spins briefly, then yields, then sleeps.
+// A team of threads for many short rounds. A waiting worker spins briefly, then yields, then sleeps, so that
+// it is there when the next round begins, also on a busy machine.
 #pragma once
 
 #include <atomic>
@@ -13,35 +13,47 @@
 #include <utility>
 #include <vector>
 
-namespace conceg::grow {
+namespace conceg {
 
 class Team {
 public:
   explicit Team(unsigned size) : size_(size > 0 ? size : 1), errors_(size_) {
-    for (unsigned worker = 1; worker < size_; worker++) threads_.emplace_back([this, worker] { serve(worker); });
+    for (unsigned worker = 1; worker < size_; worker++)
+      threads_.emplace_back([this, worker] { serve(worker); });
   }
   ~Team() {
     start([](unsigned) {}, true);
-    for (std::thread &thread : threads_) thread.join();
+    for (std::thread &thread : threads_)
+      thread.join();
   }
   Team(const Team &) = delete;
   Team &operator=(const Team &) = delete;
   unsigned size() const { return size_; }
 
-  // body(index, worker) for every index below count; worker w does w, w + size, w + 2 size, ...
+  // body(index, worker) for every index below count; worker w does w, w + size, w + 2 size, ...: every worker
+  // does its share whatever the machine is doing.
   template <class Body> void loop(std::size_t count, const Body &body) {
-    const auto share = [&](unsigned worker) {
-      for (std::size_t i = worker; i < count; i += size_) body(i, worker);
-    };
-    if (size_ == 1 || count < 2) {
-      for (std::size_t i = 0; i < count; i++) body(i, 0u);
+    if (count < 2) {
+      for (std::size_t i = 0; i < count; i++)
+        body(i, 0u);
       return;
     }
-    start(share, false);
+    all([&](unsigned worker) {
+      for (std::size_t i = worker; i < count; i += size_)
+        body(i, worker);
+    });
+  }
+
+  // share(worker) once by every worker; returns when all are done. The first worker's exception is thrown.
+  template <class Share> void all(const Share &share) {
+    if (size_ == 1) return share(0u);
+    start([&share](unsigned worker) { share(worker); }, false);
     run(0);
     await([this] { return busy_.load(std::memory_order_acquire) == 0; }, finished_);
+    std::exception_ptr first;
     for (std::exception_ptr &error : errors_)
-      if (error) std::rethrow_exception(std::exchange(error, nullptr));
+      if (const std::exception_ptr taken = std::exchange(error, nullptr); taken && !first) first = taken;
+    if (first) std::rethrow_exception(first);
   }
 
 private:
@@ -99,4 +111,4 @@ private:
   bool stop_ = false;
 };
 
-} // namespace conceg::grow
+} // namespace conceg
