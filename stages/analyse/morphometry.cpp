@@ -87,24 +87,6 @@ void measure_forks(const Tree &tree, std::uint32_t cell, std::vector<Fork> &out)
 
 } // namespace
 
-double straightness(const std::vector<glm::dvec3> &line, double step) {
-  if (line.size() < 2) return 1;
-  glm::dvec3 last = line.front();
-  double path = 0, along = 0, next = step;
-  for (std::size_t i = 1; i < line.size(); i++) {
-    const glm::dvec3 edge = line[i] - line[i - 1];
-    const double length = glm::length(edge);
-    for (; length > 0 && next <= along + length; next += step) {
-      const glm::dvec3 point = line[i - 1] + edge * ((next - along) / length);
-      path += glm::distance(point, last);
-      last = point;
-    }
-    along += length;
-  }
-  path += glm::distance(line.back(), last);
-  return path > 0 ? std::min(1.0, glm::distance(line.back(), line.front()) / path) : 1;
-}
-
 Morphometry measure_shape(const Cells &cells, const Skeletons &skeletons) {
   Morphometry out;
   out.apical.resize(cells.type.size());

@@ -3,6 +3,7 @@
 // straightness and angles.
 #pragma once
 
+#include "straightness.hpp"
 #include "tissue.hpp"
 
 namespace conceg::analyse {
@@ -34,9 +35,6 @@ struct Morphometry {
 };
 
 Morphometry measure_shape(const Cells &cells, const Skeletons &skeletons);
-
-// End-to-end / path of a polyline resampled every `step` um, its end kept; 1 for a single point.
-double straightness(const std::vector<glm::dvec3> &line, double step);
 
 struct Spread {
   std::uint64_t count = 0;

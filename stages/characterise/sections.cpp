@@ -40,24 +40,6 @@ std::vector<Section> find_sections(const Tree &tree) {
   return sections;
 }
 
-double straightness(const std::vector<glm::dvec3> &line, double step_um) {
-  if (line.size() < 2) return 1.0;
-  glm::dvec3 last = line.front();
-  double path = 0.0, along = 0.0, next = step_um;
-  for (std::size_t i = 1; i < line.size(); i++) {
-    const glm::dvec3 edge = line[i] - line[i - 1];
-    const double length = glm::length(edge);
-    for (; length > 0.0 && next <= along + length; next += step_um) {
-      const glm::dvec3 point = line[i - 1] + edge * ((next - along) / length);
-      path += glm::length(point - last);
-      last = point;
-    }
-    along += length;
-  }
-  path += glm::length(line.back() - last);
-  return path > 0.0 ? std::min(1.0, glm::length(line.back() - line.front()) / path) : 1.0;
-}
-
 glm::dvec3 first_segment(const Tree &tree, const Children &children, std::size_t node, std::size_t child) {
   for (;;) {
     const glm::dvec3 d = tree.position[child] - tree.position[node];

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "morphology.hpp"
+#include "straightness.hpp"
 
 namespace conceg::characterise {
 
@@ -16,9 +17,6 @@ struct Section {
 
 // Parents come before their children.
 std::vector<Section> find_sections(const Tree &tree);
-
-// End-to-end / path of a polyline resampled every `step` um (its end kept); 1 for a single point.
-double straightness(const std::vector<glm::dvec3> &line, double step_um);
 
 // Unit vector from `node` to the first sample of the run through `child` that does not coincide with it; 0
 // when there is none.

@@ -2,86 +2,46 @@
 #include "somas.hpp"
 
 #include "conceg/rng.h"
+#include "neighbours.hpp"
 #include "wrap.hpp"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 
 namespace conceg::place {
 namespace {
 
-constexpr int kTrials = 20000;             // per soma, before the box counts as full
-constexpr int kTrialsWhenFull = 200;       // per soma after that, to learn how many fit
-constexpr std::size_t kMissesInRow = 1000; // then no more are tried
-constexpr double kGridCells = 4.0 * 1024 * 1024;
+constexpr int kTrials = 20000;                           // per soma, before the box counts as full
+constexpr int kTrialsWhenFull = 200;                     // per soma after that, to learn how many fit
+constexpr std::size_t kMissesInRow = 1000;               // then no more are tried
 constexpr double kSphereVolume = 4.18879020478639098462; // 4 pi / 3
 
-// The centres placed so far, in a grid of cells wide enough that touching somas are in neighbouring ones.
+// The centres placed so far.
 class Placed {
 public:
-  Placed(const conceg_box &box, double largest_radius, double gap) : box_(box), gap_(gap) {
-    const double width =
-        std::max(2.0 * largest_radius + gap, conceg_pow(volume(box) / kGridCells, 1.0 / 3.0));
-    for (int axis = 0; axis < 3; axis++) {
-      const double cells = std::min(conceg_box_side(&box, axis) / width, kGridCells);
-      count_[axis] = std::max(1, static_cast<int>(cells));
-    }
-    cells_.resize(static_cast<std::size_t>(count_[0]) * count_[1] * count_[2]);
-  }
+  Placed(const conceg_box &box, double largest_radius, double gap)
+      : box_(box), gap_(gap), grid_(box, 2.0 * largest_radius + gap) {}
 
   void add(const glm::dvec3 &center, double radius) {
-    cells_[index(cell_of(center))].push_back(static_cast<std::uint32_t>(center_.size()));
+    grid_.add(center, static_cast<std::uint32_t>(center_.size()));
     center_.push_back(center);
     radius_.push_back(radius);
   }
 
   bool is_free(const glm::dvec3 &center, double radius) const {
-    const glm::ivec3 cell = cell_of(center);
-    std::array<std::array<int, 3>, 3> around;
-    std::array<int, 3> many;
-    for (int axis = 0; axis < 3; axis++)
-      many[axis] = around_on(axis, cell[axis], around[axis]);
-    for (int x = 0; x < many[0]; x++)
-      for (int y = 0; y < many[1]; y++)
-        for (int z = 0; z < many[2]; z++)
-          for (const std::uint32_t i : cells_[index({around[0][x], around[1][y], around[2][z]})]) {
-            const glm::dvec3 d = nearest(box_, center - center_[i]);
-            const double apart = radius + radius_[i] + gap_;
-            if (d.x * d.x + d.y * d.y + d.z * d.z < apart * apart) return false;
-          }
-    return true;
+    bool free = true;
+    grid_.around(center, [&](std::uint32_t i) {
+      const glm::dvec3 d = nearest(box_, center - center_[i]);
+      const double apart = radius + radius_[i] + gap_;
+      return free = d.x * d.x + d.y * d.y + d.z * d.z >= apart * apart;
+    });
+    return free;
   }
 
 private:
-  glm::ivec3 cell_of(const glm::dvec3 &p) const {
-    glm::ivec3 cell;
-    for (int axis = 0; axis < 3; axis++) {
-      const double at = (p[axis] - box_.lo[axis]) / conceg_box_side(&box_, axis) * count_[axis];
-      cell[axis] = std::clamp(static_cast<int>(at), 0, count_[axis] - 1);
-    }
-    return cell;
-  }
-  std::size_t index(const glm::ivec3 &cell) const {
-    return (static_cast<std::size_t>(cell.x) * count_[1] + cell.y) * count_[2] + cell.z;
-  }
-  // The different cells next to `cell` on one axis, itself included.
-  int around_on(int axis, int cell, std::array<int, 3> &out) const {
-    int many = 0;
-    for (int step = -1; step <= 1; step++) {
-      int at = cell + step;
-      if (box_.periodic[axis]) at = (at + count_[axis]) % count_[axis];
-      if (at >= 0 && at < count_[axis] &&
-          std::find(out.begin(), out.begin() + many, at) == out.begin() + many)
-        out[many++] = at;
-    }
-    return many;
-  }
-
   const conceg_box &box_;
   double gap_;
-  std::array<int, 3> count_;
-  std::vector<std::vector<std::uint32_t>> cells_;
+  NeighbourGrid grid_;
   std::vector<glm::dvec3> center_;
   std::vector<double> radius_;
 };
