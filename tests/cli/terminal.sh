@@ -3,6 +3,7 @@
 # What a person at a terminal sees: no waiting for a document nobody types, no binary on the screen.  terminal.sh BIN PLUGINS
 bin=$1 plugins=$2
 command -v script > /dev/null || { echo "SKIPPED: the program script (bsdutils) is not here"; exit 77; }
+script -qec true /dev/null > /dev/null 2>&1 < /dev/null || { echo "SKIPPED: no pseudo-terminal can be opened here"; exit 77; }
 . "$(dirname "$0")/expect.sh"
 t=$expect_folder
 PATH=$bin:$PATH
