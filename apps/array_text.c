@@ -88,6 +88,15 @@ int read_array(struct cli *cli, conceg_doc *doc, const char *path, conceg_array 
   return status == CONCEG_OK ? EXIT_OK : cli_fail_status(cli, status);
 }
 
+int describe_array(struct cli *cli, conceg_doc *doc, const char *path, conceg_array *out) {
+  conceg_status status;
+  memset(out, 0, sizeof *out);
+  out->size = sizeof *out;
+  status = conceg_doc_describe(doc, path, out);
+  if (status == CONCEG_OK && out->dtype == CONCEG_TEXT) status = conceg_doc_read(doc, path, out);
+  return status == CONCEG_OK ? EXIT_OK : cli_fail_status(cli, status);
+}
+
 /* 1 for a dataset or an attribute: among its parent's children a group would end in "/". */
 static int is_array(struct cli *cli, conceg_doc *doc, const char *path) {
   const char *slash = strrchr(path, '/');

@@ -20,6 +20,8 @@ uint64_t array_bytes(const conceg_array *array);
 
 /* Reads into *out. Returns 0, or an exit code after an error line. */
 int read_array(struct cli *cli, conceg_doc *doc, const char *path, conceg_array *out);
+/* The same without the values of numbers; texts, whose bytes count, are read. */
+int describe_array(struct cli *cli, conceg_doc *doc, const char *path, conceg_array *out);
 
 /* Paths of all arrays and attributes below a group, or the path itself when it is an array, in canonical
  * order; the texts are owned by the cli. */

@@ -121,6 +121,7 @@ int cli_begin(struct cli *cli, const struct cli_program *program, int argc, char
   int code;
   memset(cli, 0, sizeof *cli);
   cli->program = program;
+  streams_occupy();
   signals_catch();
   code = cli_parse(cli, argc, argv);
   if (code != EXIT_OK) return code;
@@ -164,6 +165,7 @@ int cli_open(struct cli *cli, const char *path, conceg_doc **out) {
     return cli_fail(cli, EXIT_USAGE,
                     "no input: name a .cgx file, or pipe a document into standard input (--help says more)");
   }
+  progress_phase(&cli->progress, "read", cli->program->kind);
   signals_waiting(1);
   status = conceg_doc_open(cli->ctx, is_stdio(path) ? "-" : path, out);
   signals_waiting(0);
@@ -196,6 +198,7 @@ int cli_check_output(struct cli *cli, const char *output) {
 int cli_save(struct cli *cli, conceg_doc *doc, const char *output) {
   conceg_status status;
   if (signals_cancelled()) return cli_fail(cli, EXIT_CANCELLED, "cancelled; nothing was written");
+  progress_phase(&cli->progress, "write", cli->program->kind);
   status = conceg_doc_save(doc, is_stdio(output) ? "-" : output);
   if (status != CONCEG_OK) return cli_fail_status(cli, status);
   if (is_stdio(output) && close(STDOUT_FILENO))

@@ -22,6 +22,7 @@ static const struct word tools[] = {
     {"dump", "a document as text, in canonical order", tool_dump},
     {"diff", "compare two documents", tool_diff},
     {"strip", "a document without some of its groups", tool_strip},
+    {"clean", "remove unfinished files that killed runs have left", tool_clean},
     {"stages", "which stages there are and which file answers", tool_stages},
     {"params", "the parameters of a stage", tool_params},
     {NULL, NULL, NULL}};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Running another program as a stage: its standard input and output are documents in temporary files. */
+ * Running another program as a stage: its standard input and output are documents in
+ * temporary files that have no name. */
 #define _GNU_SOURCE
 #include "exec_stage.h"
 
@@ -15,16 +16,19 @@ const char *exec_command(const char *impl) {
   return impl && !strncmp(impl, "exec:", 5) && impl[5] ? impl + 5 : NULL;
 }
 
-/* A new file in the temporary folder; its path is kept by the cli. */
-static const char *temporary_path(struct cli *cli) {
+/* A file of the temporary folder that has no name any more; -1 after an error line. */
+static int nameless_file(struct cli *cli) {
   char *path = (char *)(uintptr_t)cli_keep(cli, "%s/conceg-exec-XXXXXX", conceg_ctx_tmpdir(cli->ctx));
-  const int file = mkstemp(path);
-  if (file < 0) {
+  const int file = mkostemp(path, O_CLOEXEC);
+  if (file < 0)
     cli_fail(cli, EXIT_IO, "%s: cannot make a temporary file: %s", path, strerror(errno));
-    return NULL;
-  }
-  close(file);
-  return path;
+  else
+    unlink(path);
+  return file;
+}
+
+static const char *path_of(struct cli *cli, int file) {
+  return cli_keep(cli, "/proc/self/fd/%d", file);
 }
 
 static int wait_for(struct cli *cli, pid_t child, const char *kind, const char *command) {
@@ -43,24 +47,15 @@ static int wait_for(struct cli *cli, pid_t child, const char *kind, const char *
                   WIFSIGNALED(state) ? WTERMSIG(state) : 0);
 }
 
-static int run_command(struct cli *cli, const char *kind, const char *command, const char *input,
-                       const char *output) {
-  const int from = open(input, O_RDONLY | O_CLOEXEC), to = open(output, O_WRONLY | O_TRUNC | O_CLOEXEC);
-  pid_t child;
-  if (from < 0 || to < 0) {
-    if (from >= 0) close(from);
-    return cli_fail(cli, EXIT_IO, "%s: temporary file: %s", kind, strerror(errno));
-  }
-  child = fork();
+static int run_command(struct cli *cli, const char *kind, const char *command, int input, int output) {
+  const pid_t child = lseek(input, 0, SEEK_SET) < 0 ? -1 : fork();
   if (child == 0) {
     signal(SIGPIPE, SIG_DFL);
-    dup2(from, STDIN_FILENO);
-    dup2(to, STDOUT_FILENO);
+    dup2(input, STDIN_FILENO);
+    dup2(output, STDOUT_FILENO);
     execlp(command, command, (char *)NULL);
     _exit(127);
   }
-  close(from);
-  close(to);
   if (child < 0) return cli_fail(cli, EXIT_STAGE, "%s: %s: %s", kind, command, strerror(errno));
   return wait_for(cli, child, kind, command);
 }
@@ -109,7 +104,7 @@ static conceg_status carry_recipe(struct cli *cli, const char *kind, const conce
 
 int exec_stage(struct cli *cli, const char *kind, const char *command, const conceg_recipe *own,
                const char *const *sets, conceg_doc **doc) {
-  const char *input, *output = NULL;
+  int input, output;
   conceg_doc *result = NULL;
   conceg_status status;
   int code = EXIT_OK;
@@ -117,24 +112,24 @@ int exec_stage(struct cli *cli, const char *kind, const char *command, const con
     return cli_fail(cli, EXIT_USAGE,
                     "%s: the recipe asks to run the program %s (impl: exec:); allow it with --allow-exec",
                     kind, command);
-  input = temporary_path(cli);
-  output = input ? temporary_path(cli) : NULL;
-  if (!output) code = EXIT_IO;
+  input = nameless_file(cli);
+  output = input >= 0 ? nameless_file(cli) : -1;
+  if (output < 0) code = EXIT_IO;
   if (code == EXIT_OK) {
     status = carry_recipe(cli, kind, own, sets, *doc);
-    if (status == CONCEG_OK) status = conceg_doc_save(*doc, input);
+    if (status == CONCEG_OK) status = conceg_doc_save(*doc, path_of(cli, input));
     if (status != CONCEG_OK) code = cli_fail_status(cli, status);
   }
   if (code == EXIT_OK) code = run_command(cli, kind, command, input, output);
   if (code == EXIT_OK) {
-    status = conceg_doc_open(cli->ctx, output, &result);
+    status = conceg_doc_open(cli->ctx, path_of(cli, output), &result);
     if (status == CONCEG_OK) status = conceg_doc_validate(result, NULL, NULL, NULL);
     if (status != CONCEG_OK)
       code = cli_fail(cli, EXIT_STAGE, "%s: %s wrote no valid document: %s", kind, command,
                       conceg_ctx_error(cli->ctx));
   }
-  if (input) unlink(input);
-  if (output) unlink(output);
+  if (input >= 0) close(input);
+  if (output >= 0) close(output);
   if (code != EXIT_OK) {
     if (result && conceg_doc_close(result) != CONCEG_OK) cli_fail_status(cli, CONCEG_E_IO);
     return code;

@@ -107,7 +107,7 @@ static int measure_group(struct info *info, const char *group, uint32_t *arrays,
   list_arrays(info->cli, info->doc, group, &paths);
   for (i = 0; code == EXIT_OK && i < paths.count; i++) {
     conceg_array array;
-    code = read_array(info->cli, info->doc, paths.word[i], &array);
+    code = describe_array(info->cli, info->doc, paths.word[i], &array);
     if (code != EXIT_OK) break;
     *bytes += array_bytes(&array);
     if (array.rank && !strchr(paths.word[i], '@') && !strstr(paths.word[i], "_offset") &&

@@ -5,12 +5,15 @@
 
 #include "exitcode.h"
 
+#include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
+
+#define PHASE "phase: "
 
 static volatile sig_atomic_t cancelled, waiting_for_input;
 
@@ -23,6 +26,14 @@ static void on_signal(int number) {
   _exit(EXIT_CANCELLED);
 }
 
+void streams_occupy(void) {
+  /* The wrong direction on purpose: EBADF instead of bytes that go nowhere. */
+  static const int direction[3] = {O_WRONLY, O_RDONLY, O_RDONLY};
+  int stream;
+  for (stream = 0; stream < 3; stream++)
+    if (fcntl(stream, F_GETFD) < 0 && open("/dev/null", direction[stream]) != stream) return;
+}
+
 void signals_catch(void) {
   struct sigaction action;
   memset(&action, 0, sizeof action);
@@ -31,9 +42,11 @@ void signals_catch(void) {
   action.sa_flags = (int)SA_RESETHAND;
   sigaction(SIGINT, &action, NULL);
   sigaction(SIGTERM, &action, NULL);
+  sigaction(SIGHUP, &action, NULL);
   action.sa_handler = SIG_IGN;
   action.sa_flags = 0;
   sigaction(SIGPIPE, &action, NULL);
+  sigaction(SIGXFSZ, &action, NULL);
 }
 
 int signals_cancelled(void) {
@@ -122,6 +135,15 @@ static void print_json(struct progress *progress, uint64_t done, uint64_t total,
   progress->drawn = now;
 }
 
+void progress_phase(struct progress *progress, const char *phase, const char *stage) {
+  if (progress->mode != PROGRESS_JSON) return;
+  fputs("{\"phase\":\"", stderr);
+  print_json_text(phase);
+  fputs("\",\"stage\":\"", stderr);
+  print_json_text(stage ? stage : "");
+  fputs("\"}\n", stderr);
+}
+
 /* A line each time another tenth is reached, but none for work that is over in a moment. */
 static void print_tenth(struct progress *progress, uint64_t done, uint64_t total, double now) {
   const int tenth = total ? (int)((double)done / (double)total * 10) : 0;
@@ -136,6 +158,14 @@ int progress_report(void *user, const char *what, uint64_t done, uint64_t total)
   const size_t word = progress->word ? strlen(progress->word) : 0;
   double now;
   if (progress->mode == PROGRESS_NONE) return cancelled;
+  if (!strncmp(what, PHASE, sizeof PHASE - 1)) { /* of the host: "phase: run grow" */
+    char phase[16] = "";
+    const char *stage = strchr(what + sizeof PHASE - 1, ' ');
+    snprintf(phase, sizeof phase, "%.*s", (int)strcspn(what + sizeof PHASE - 1, " "),
+             what + sizeof PHASE - 1);
+    progress_phase(progress, phase, stage ? stage + 1 : NULL);
+    return cancelled;
+  }
   if (word && !strncmp(what, progress->word, word) && !strncmp(what + word, ": ", 2)) what += word + 2;
   now = seconds_now();
   if (strncmp(progress->what, what, sizeof progress->what - 1) != 0 || done < progress->done) {

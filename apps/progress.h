@@ -21,6 +21,8 @@ struct progress {
 void progress_init(struct progress *progress, enum progress_mode mode, const char *prefix, const char *word);
 /* A conceg_progress_fn; `user` is a struct progress. Returns 1 once SIGINT or SIGTERM has come. */
 int progress_report(void *user, const char *what, uint64_t done, uint64_t total);
+/* What a program is at: "read", "run", "write" of a stage. A JSON line; nothing in the other modes. */
+void progress_phase(struct progress *progress, const char *phase, const char *stage);
 /* Takes the bar off the terminal, before a line is printed and at the end. */
 void progress_clear(struct progress *progress);
 
@@ -28,8 +30,12 @@ double seconds_now(void);    /* monotonic */
 double seconds_of_cpu(void); /* user and system, of this process */
 uint64_t peak_memory(void);  /* bytes resident at most, of this process */
 
-/* Catches SIGINT and SIGTERM (the second one kills) and ignores SIGPIPE, so that a closed pipe is an error
- * with a line. */
+/* Standard streams that were closed are occupied, so that no file that is opened later is taken for one of
+ * them: reading or writing them is an error. */
+void streams_occupy(void);
+
+/* Catches SIGINT, SIGTERM and SIGHUP (the second one kills) and ignores SIGPIPE and SIGXFSZ, so that a closed
+ * pipe or a file that may not grow is an error with a line. */
 void signals_catch(void);
 int signals_cancelled(void);
 /* While a program only waits for its input there is nothing to clean up: a signal then ends it at once. */

@@ -10,6 +10,7 @@ int tool_validate(int argc, char **argv);
 int tool_dump(int argc, char **argv);
 int tool_diff(int argc, char **argv);
 int tool_strip(int argc, char **argv);
+int tool_clean(int argc, char **argv);
 int tool_stages(int argc, char **argv);
 int tool_params(int argc, char **argv);
 

@@ -86,27 +86,44 @@ conceg_status doc_each_block(conceg_doc *doc, const struct entry *entry, block_f
   return status;
 }
 
-conceg_status conceg_doc_read(conceg_doc *doc, const char *path, conceg_array *out) {
+static conceg_status find_array(conceg_doc *doc, const char *path, const conceg_array *out,
+                                struct entry **entry) {
   conceg_ctx *ctx = doc->budget.ctx;
   if (out->size < sizeof *out)
     return conceg_ctx_fail(ctx, CONCEG_E_USAGE, "%s: conceg_array.size is not set", path);
-  struct entry *entry = tree_find(doc->root, path);
-  if (!entry)
+  *entry = tree_find(doc->root, path);
+  if (!*entry)
     return conceg_ctx_fail(ctx, CONCEG_E_MISSING, "%s: expected in the document, but it is not there", path);
-  if (entry->kind == ENTRY_GROUP)
+  if ((*entry)->kind == ENTRY_GROUP)
     return conceg_ctx_fail(ctx, CONCEG_E_MISSING, "%s: expected a dataset, got a group", path);
-  if (entry->kind == ENTRY_OPAQUE)
-    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s: expected numbers or text, got %s", path, entry->why);
-  const conceg_status status = doc_load(doc, entry);
-  if (status != CONCEG_OK) return status;
+  if ((*entry)->kind == ENTRY_OPAQUE)
+    return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s: expected numbers or text, got %s", path, (*entry)->why);
+  return CONCEG_OK;
+}
+
+static void describe(const conceg_doc *doc, const struct entry *entry, const void *data, conceg_array *out) {
   const struct schema_item *item = entry->attribute ? schema_find(doc->schema, entry->path) : NULL;
   out->dtype = entry->dtype;
   out->rank = entry->rank;
   out->reserved = 0;
   memcpy(out->shape, entry->shape, sizeof out->shape);
-  out->data = entry_count(entry) ? entry->store.data : NULL;
+  out->data = data;
   out->unit = entry->attribute ? (item ? item->unit : NULL) : entry_unit(entry);
-  return CONCEG_OK;
+}
+
+conceg_status conceg_doc_read(conceg_doc *doc, const char *path, conceg_array *out) {
+  struct entry *entry = NULL;
+  conceg_status status = find_array(doc, path, out, &entry);
+  if (status == CONCEG_OK) status = doc_load(doc, entry);
+  if (status == CONCEG_OK) describe(doc, entry, entry_count(entry) ? entry->store.data : NULL, out);
+  return status;
+}
+
+conceg_status conceg_doc_describe(conceg_doc *doc, const char *path, conceg_array *out) {
+  struct entry *entry = NULL;
+  const conceg_status status = find_array(doc, path, out, &entry);
+  if (status == CONCEG_OK) describe(doc, entry, NULL, out);
+  return status;
 }
 
 /* The size in bytes of a new array, or E_PARAM. */

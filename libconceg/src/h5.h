@@ -25,9 +25,9 @@ conceg_status h5_read_rows(conceg_ctx *ctx, struct h5_file *file, const struct e
 conceg_status h5_read_texts(struct budget *budget, struct h5_file *file, const struct entry *entry,
                             struct store *out);
 
-/* Writes the tree as a new canonical file at `path`, which must not exist. Values that are not in memory come
- * from `source`. With `anonymous` the name is removed at once. Returns an open descriptor of the finished
- * file in *fd. On failure nothing is left at `path`. `name` is for messages. */
+/* Writes the tree as a canonical file into the empty file at `path`, which *fd has open. Values that are not
+ * in memory come from `source`. With `anonymous` the name is removed at once. On failure nothing is left at
+ * `path`, and *fd is closed and -1. `name` is for messages. */
 conceg_status h5_write(conceg_ctx *ctx, const char *path, const char *name, const struct entry *root,
                        struct h5_file *source, int anonymous, int *fd);
 

@@ -302,8 +302,6 @@ static conceg_status fill_file(struct writer *writer, const char *path, const st
 conceg_status h5_write(conceg_ctx *ctx, const char *path, const char *name, const struct entry *root,
                        struct h5_file *source, int anonymous, int *fd) {
   struct writer writer = {.ctx = ctx, .name = name, .source = source};
-  *fd = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (*fd < 0) return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: %s", name, strerror(errno));
   h5_lock();
   const conceg_status status = fill_file(&writer, path, root, anonymous, *fd);
   h5_unlock();

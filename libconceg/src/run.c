@@ -203,10 +203,18 @@ static conceg_status check_undeclared(conceg_ctx *ctx, const conceg_stage *stage
   return CONCEG_OK;
 }
 
+static conceg_status tell_phase(conceg_ctx *ctx, const char *phase, const conceg_stage *stage) {
+  char text[96];
+  snprintf(text, sizeof text, "phase: %s %.64s", phase, stage->kind);
+  return conceg_ctx_progress(ctx, text, 0, 0);
+}
+
 static conceg_status run_body(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc,
                               const conceg_params *params) {
-  conceg_status status = stage->check ? stage->check(ctx, doc, params) : CONCEG_OK;
+  conceg_status status = tell_phase(ctx, "check", stage);
+  if (status == CONCEG_OK && stage->check) status = stage->check(ctx, doc, params);
   if (status == CONCEG_OK) status = drop_old_results(ctx, stage, doc);
+  if (status == CONCEG_OK) status = tell_phase(ctx, "run", stage);
   if (status == CONCEG_OK) status = stage->run(ctx, doc, params);
   if (status != CONCEG_OK) {
     if (!*conceg_ctx_error(ctx))
@@ -230,6 +238,7 @@ static conceg_status run_noted(conceg_ctx *ctx, const conceg_stage *stage, conce
   if (status == CONCEG_OK) status = origins_take(ctx, doc, stage, origins);
   if (status == CONCEG_OK) status = snapshot_take(ctx, doc, before);
   if (status == CONCEG_OK) status = run_body(ctx, stage, doc, params);
+  if (status == CONCEG_OK) status = tell_phase(ctx, "validate", stage);
   if (status == CONCEG_OK) status = check_undeclared(ctx, stage, doc, before);
   if (status == CONCEG_OK) status = drop_stale(ctx, stage, doc);
   if (status == CONCEG_OK) status = drop_unwanted(stage, doc, params);

@@ -2,54 +2,29 @@
  * Saving a document: to a path (whole or not at all), to standard output, to memory. */
 #define _XOPEN_SOURCE 700
 #include "doc_internal.h"
+#include "partial.h"
 #include "stream.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { ATTEMPTS = 1000 };
-
-/* A name for a new file in `folder`, hidden, that nothing else uses. */
-static int new_name(const char *folder, char path[PATH_MAX]) {
-  static atomic_uint counter;
-  for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
-    const unsigned number = atomic_fetch_add(&counter, 1);
-    struct stat info;
-    if (snprintf(path, PATH_MAX, "%s/.conceg-%ld-%u.tmp", folder, (long)getpid(), number) >= PATH_MAX)
-      errno = ENAMETOOLONG;
-    else if (lstat(path, &info) == 0)
-      continue;
-    else if (errno == ENOENT)
-      return 1;
-    return 0;
-  }
-  return 0;
-}
-
-/* Folder of a path, "." when it names none. */
-static void folder_of(const char *path, char folder[PATH_MAX]) {
-  const char *slash = strrchr(path, '/');
-  if (!slash)
-    strcpy(folder, ".");
-  else
-    snprintf(folder, PATH_MAX, "%.*s", slash == path ? 1 : (int)(slash - path), path);
-}
-
 /* The finished bytes as a file without a name in the temporary folder; its descriptor in *fd. */
 static conceg_status write_anonymous(conceg_doc *doc, const char *name, int *fd) {
   char path[PATH_MAX];
   const char *folder = conceg_ctx_tmpdir(doc->budget.ctx);
-  if (!new_name(folder, path))
-    return conceg_ctx_fail(doc->budget.ctx, CONCEG_E_IO,
-                           "%s: temporary folder %s: no file can be made there: %s; set TMPDIR", name, folder,
-                           strerror(errno));
+  *fd = partial_anonymous(folder, path);
+  if (*fd < 0 || (!*path && !partial_name(*fd, folder, path))) {
+    const conceg_status status = conceg_ctx_fail(
+        doc->budget.ctx, CONCEG_E_IO, "%s: temporary folder %s: no file can be made there: %s; set TMPDIR",
+        name, folder, strerror(errno));
+    if (*fd >= 0) close(*fd);
+    return status;
+  }
   char label[PATH_MAX + 64];
   snprintf(label, sizeof label, "%s, kept in the temporary folder %s (TMPDIR)", name, folder);
   return h5_write(doc->budget.ctx, path, label, doc->root, doc->file, 1, fd);
@@ -82,21 +57,32 @@ static conceg_status save_to_stdout(conceg_doc *doc) {
   return save_through(doc, to, name);
 }
 
+/* The file takes the mode of the one that it replaces, reaches the disk, and then its name. */
+static int put_in_place(int fd, const char *temporary, const char *target) {
+  struct stat before;
+  if (stat(target, &before) == 0 && fchmod(fd, before.st_mode & 07777) != 0)
+    errno = 0; /* not our file: ours will do */
+  return fsync(fd) == 0 && rename(temporary, target) == 0;
+}
+
 static conceg_status save_to_file(conceg_doc *doc, const char *target, const char *path) {
   conceg_ctx *ctx = doc->budget.ctx;
   char folder[PATH_MAX], temporary[PATH_MAX];
-  folder_of(target, folder);
-  if (!new_name(folder, temporary))
-    return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: %s", path, strerror(errno));
-  if (access(folder, W_OK | X_OK) != 0)
+  partial_folder_of(target, folder);
+  partial_sweep(folder);
+  int fd = partial_new(folder, temporary);
+  if (fd < 0)
     return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: %s: %s", path, folder, strerror(errno));
-  int fd = -1;
   conceg_status status = h5_write(ctx, temporary, path, doc->root, doc->file, 0, &fd);
   if (status != CONCEG_OK) return status;
-  if (close(fd) != 0 || rename(temporary, target) != 0) {
+  /* The name is given while the lock is held, so that no sweep takes the finished file for a left one. */
+  const int placed = put_in_place(fd, temporary, target);
+  if (!placed) {
     status = conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: %s", path, strerror(errno));
     unlink(temporary);
   }
+  if (close(fd) != 0 && placed)
+    status = conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: %s", path, strerror(errno));
   return status;
 }
 
@@ -111,7 +97,7 @@ conceg_status conceg_doc_save(conceg_doc *doc, const char *path) {
   if (S_ISDIR(info.st_mode))
     return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: expected a file name, got a folder",
                            path);
-  if (!S_ISREG(info.st_mode)) {
+  if (!S_ISREG(info.st_mode) || !info.st_nlink) { /* nothing that a name could be put over */
     const int to = open(path, O_WRONLY | O_CLOEXEC);
     if (to < 0) return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: %s", path, strerror(errno));
     return save_through(doc, to, path);

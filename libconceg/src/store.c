@@ -3,6 +3,7 @@
  */
 #define _POSIX_C_SOURCE 200809L
 #include "store.h"
+#include "partial.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -18,21 +19,15 @@ static const uint64_t large_array = (uint64_t)4 << 20;
 
 int temporary_file(conceg_ctx *ctx) {
   const char *folder = conceg_ctx_tmpdir(ctx);
-  char path[4096];
-  if (snprintf(path, sizeof path, "%s/conceg-XXXXXX", folder) >= (int)sizeof path)
-    errno = ENAMETOOLONG;
-  else {
-    const int fd = mkstemp(path);
-    if (fd >= 0) {
-      (void)fcntl(fd, F_SETFD, FD_CLOEXEC);
-      unlink(path);
-      return fd;
-    }
-  }
-  conceg_ctx_fail(ctx, CONCEG_E_IO,
-                  "temporary folder %s: no file can be made there: %s; set TMPDIR to another folder", folder,
-                  strerror(errno));
-  return -1;
+  char path[PATH_MAX];
+  const int fd = partial_anonymous(folder, path);
+  if (fd < 0)
+    conceg_ctx_fail(ctx, CONCEG_E_IO,
+                    "temporary folder %s: no file can be made there: %s; set TMPDIR to another folder",
+                    folder, strerror(errno));
+  else if (*path)
+    unlink(path);
+  return fd;
 }
 
 conceg_status check_free_space(conceg_ctx *ctx, const char *folder, uint64_t bytes) {

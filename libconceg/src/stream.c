@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * Bytes in and out of the process (spec/stream.md). */
-#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700
 #include "stream.h"
+#include "partial.h"
 #include "store.h"
 
 #include <errno.h>
@@ -93,30 +94,19 @@ static conceg_status set_names(conceg_ctx *ctx, struct input *input, const char 
 
 void input_release(struct input *input) {
   if (input->temporary) unlink(input->path);
+  if (input->temporary) close(input->held);
   free(input->path);
   free(input->name);
   *input = (struct input){0};
 }
 
-/* HDF5 opens files by name, so a spool file keeps its name until the document has opened it. */
-static int new_spool(conceg_ctx *ctx, const char *name, struct input *out) {
-  char path[4096];
-  const char *folder = conceg_ctx_tmpdir(ctx);
-  const int length = snprintf(path, sizeof path, "%s/conceg-XXXXXX", folder);
-  const int fd = length < (int)sizeof path ? mkstemp(path) : -1;
-  if (fd < 0) {
+/* A file for what comes in, without a name where the file system can. */
+static int new_spool(conceg_ctx *ctx, const char *name, char path[PATH_MAX]) {
+  const int fd = partial_anonymous(conceg_ctx_tmpdir(ctx), path);
+  if (fd < 0)
     conceg_ctx_fail(ctx, CONCEG_E_IO,
                     "%s: cannot be stored in the temporary folder %s: %s; set TMPDIR to another folder", name,
-                    folder, strerror(errno));
-    return -1;
-  }
-  (void)fcntl(fd, F_SETFD, FD_CLOEXEC);
-  if (set_names(ctx, out, path, name) != CONCEG_OK) {
-    unlink(path);
-    close(fd);
-    return -1;
-  }
-  out->temporary = 1;
+                    conceg_ctx_tmpdir(ctx), strerror(errno));
   return fd;
 }
 
@@ -147,6 +137,24 @@ static conceg_status spool_bytes(conceg_ctx *ctx, int fd, int spool, const char 
   return status;
 }
 
+/* HDF5 opens files by name: the whole spool gets one for that moment, and the document takes it away again.
+ */
+static conceg_status finish_spool(conceg_ctx *ctx, int spool, char path[PATH_MAX], const char *name,
+                                  conceg_status status, struct input *out) {
+  if (status == CONCEG_OK && !*path && !partial_name(spool, conceg_ctx_tmpdir(ctx), path))
+    status = fail_spool(ctx, name);
+  if (status == CONCEG_OK) status = set_names(ctx, out, path, name);
+  if (status == CONCEG_OK) {
+    out->temporary = 1;
+    out->held = spool;
+    return CONCEG_OK;
+  }
+  if (*path) unlink(path);
+  close(spool);
+  input_release(out);
+  return status;
+}
+
 static conceg_status spool_pipe(conceg_ctx *ctx, int fd, const char *name, struct input *out) {
   unsigned char head[HEAD_BYTES];
   const ssize_t got = read_fully(fd, head, sizeof head);
@@ -158,15 +166,14 @@ static conceg_status spool_pipe(conceg_ctx *ctx, int fd, const char *name, struc
   conceg_status status = expected_length(ctx, name, head, (size_t)got, &expected);
   if (status == CONCEG_OK) status = check_free_space(ctx, conceg_ctx_tmpdir(ctx), expected);
   if (status != CONCEG_OK) return status;
-  const int spool = new_spool(ctx, name, out);
+  char path[PATH_MAX];
+  const int spool = new_spool(ctx, name, path);
   if (spool < 0) return CONCEG_E_IO;
   out->length = (uint64_t)got;
   if (!write_fully(spool, head, (size_t)got)) status = fail_spool(ctx, name);
   if (status == CONCEG_OK) status = spool_bytes(ctx, fd, spool, name, expected, &out->length);
-  if (close(spool) != 0 && status == CONCEG_OK) status = fail_spool(ctx, name);
   if (status == CONCEG_OK) status = check_length(ctx, name, expected, out->length);
-  if (status != CONCEG_OK) input_release(out);
-  return status;
+  return finish_spool(ctx, spool, path, name, status, out);
 }
 
 /* A regular file is opened in place by `path`. */
@@ -216,7 +223,7 @@ conceg_status input_open(conceg_ctx *ctx, const char *path, struct input *out) {
     status = fail_system(ctx, path, "cannot be read");
   else if (S_ISDIR(info.st_mode))
     status = conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: expected a CGX file, got a folder", path);
-  else if (S_ISREG(info.st_mode))
+  else if (S_ISREG(info.st_mode) && info.st_nlink > 0)
     status = use_file(ctx, fd, (uint64_t)info.st_size, path, path, out);
   else
     status = spool_pipe(ctx, fd, path, out);
@@ -235,13 +242,12 @@ conceg_status input_from_memory(conceg_ctx *ctx, const void *bytes, size_t count
   if (status == CONCEG_OK) status = check_length(ctx, name, expected, count);
   if (status == CONCEG_OK) status = check_free_space(ctx, conceg_ctx_tmpdir(ctx), count);
   if (status != CONCEG_OK) return status;
-  const int spool = new_spool(ctx, name, out);
+  char path[PATH_MAX];
+  const int spool = new_spool(ctx, name, path);
   if (spool < 0) return CONCEG_E_IO;
   out->length = count;
   if (!write_fully(spool, bytes, count)) status = fail_spool(ctx, name);
-  if (close(spool) != 0 && status == CONCEG_OK) status = fail_spool(ctx, name);
-  if (status != CONCEG_OK) input_release(out);
-  return status;
+  return finish_spool(ctx, spool, path, name, status, out);
 }
 
 /* One block from `fd` to `to`, inside the kernel where it can: bytes moved, 0 at the end, -1 on an error. */

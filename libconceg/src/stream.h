@@ -12,6 +12,7 @@ struct input {
   char *name; /* for messages: the path as given, or "standard input" */
   uint64_t length;
   int temporary; /* the path is ours: input_release unlinks it */
+  int held;      /* of a temporary file: the descriptor that keeps it locked */
 };
 
 /* `path` "-" = standard input. Checks that the bytes begin like HDF5 and that none is missing or left over.

@@ -2,10 +2,10 @@
  * SWC-plus writer (spec/swc-plus.md): seven plain columns that every reader accepts, exact values in comment
  * lines. */
 #define _GNU_SOURCE
+#include "partial.h"
 #include "swc_internal.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -206,28 +206,25 @@ static void write_cell(writer *w, const conceg_swc_cell *cell, const uint64_t *o
 /* A new file beside `path`, renamed onto it once it is whole. */
 static conceg_status write_file(conceg_ctx *ctx, const char *path, const conceg_swc_cell *cell,
                                 const uint64_t *order, int64_t *id, writer *w) {
-  const size_t room = strlen(path) + 32;
-  char *temporary = malloc(room);
+  char folder[PATH_MAX], temporary[PATH_MAX];
   int handle, reason = 0;
-  if (!temporary) return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "%s: out of memory", path);
-  snprintf(temporary, room, "%s.%ld.part", path, (long)getpid());
-  handle = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  partial_folder_of(path, folder);
+  handle = partial_new(folder, temporary);
   w->file = handle < 0 ? NULL : fdopen(handle, "wb");
   if (!w->file) {
     reason = errno;
     if (handle >= 0) close(handle), unlink(temporary);
-    free(temporary);
     return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: %s", path, strerror(reason));
   }
   errno = 0;
   write_cell(w, cell, order, id);
   flush(w);
-  if (fclose(w->file) != 0) w->failed = 1;
-  if (w->failed || rename(temporary, path) != 0) {
+  if (fflush(w->file) != 0) w->failed = 1;
+  if (w->failed || rename(temporary, path) != 0) { /* the lock is held until the file has its name */
     reason = errno ? errno : EIO;
     unlink(temporary);
   }
-  free(temporary);
+  if (fclose(w->file) != 0 && !reason) reason = errno ? errno : EIO;
   return reason ? conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be written: %s", path, strerror(reason))
                 : CONCEG_OK;
 }

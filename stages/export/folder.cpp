@@ -10,13 +10,14 @@ OutputFolder::OutputFolder(const std::string &path) : path_(path) {
   make_folder(path_);
 }
 
-std::string OutputFolder::at(const std::string &file) const {
+std::string OutputFolder::at(const std::string &file) {
   const std::string full = path_ + "/" + file;
-  make_folder(full.substr(0, full.rfind('/')));
+  const std::string folder = full.substr(0, full.rfind('/'));
+  if (made_.insert(folder).second) make_folder(folder);
   return full;
 }
 
-void OutputFolder::write_index() const {
+void OutputFolder::write_index() {
   OutputFile file(at("index.csv"));
   file.write("file,what,cell,id,type,layer,points,faces\n");
   for (const Written &row : written_) {

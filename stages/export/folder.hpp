@@ -5,6 +5,7 @@
 #include "output.hpp"
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -25,13 +26,14 @@ class OutputFolder {
 public:
   explicit OutputFolder(const std::string &path);
   // Full path of a file in the folder, whose sub-folder is made.
-  std::string at(const std::string &file) const;
+  std::string at(const std::string &file);
   void add(Written written) { written_.push_back(std::move(written)); }
   const std::vector<Written> &written() const { return written_; }
-  void write_index() const; // index.csv
+  void write_index(); // index.csv
 
 private:
   std::string path_;
+  std::set<std::string> made_;
   std::vector<Written> written_;
 };
 

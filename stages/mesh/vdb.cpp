@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The only file that knows OpenVDB.
+#include "output.hpp"
 #include "volume.hpp"
 
 #include <openvdb/openvdb.h>
 
-#include <cstdio>
 #include <string>
-#include <unistd.h>
 
 namespace conceg::mesh {
 namespace {
@@ -54,20 +53,16 @@ void write_vdb(const Volume &volume, const char *path) {
   const auto distance =
       grid_of<openvdb::FloatGrid>(volume, volume.distance, static_cast<float>(volume.band), "distance");
   distance->setGridClass(openvdb::GRID_LEVEL_SET);
-  const std::string temporary = std::string(path) + ".part" + std::to_string(getpid());
+  OutputFile output(path);
   try {
-    openvdb::io::File file(temporary);
+    openvdb::io::File file(output.temporary());
     file.write(openvdb::GridPtrVec{label, distance});
     file.close();
   } catch (const openvdb::Exception &error) {
-    std::remove(temporary.c_str());
     fail(CONCEG_E_IO, "%s: expected to write an OpenVDB file, got: %s; check the folder and the free space",
          path, error.what());
   }
-  if (std::rename(temporary.c_str(), path) != 0) {
-    std::remove(temporary.c_str());
-    fail(CONCEG_E_IO, "%s: expected a path that can be written", path);
-  }
+  output.commit();
 }
 
 } // namespace conceg::mesh

@@ -49,6 +49,11 @@ CONCEG_API int conceg_doc_has(const conceg_doc *doc, const char *path);
 CONCEG_API conceg_status conceg_doc_read(conceg_doc *doc, const char *path,
                                          conceg_array *out) CONCEG_NODISCARD;
 
+/* Type, shape and unit of an array as conceg_doc_read gives them, without reading its values: out->data is
+ * NULL. For programs that list what is there. Errors: E_MISSING, E_FORMAT. */
+CONCEG_API conceg_status conceg_doc_describe(conceg_doc *doc, const char *path,
+                                             conceg_array *out) CONCEG_NODISCARD;
+
 /* Copies an array into the document, replacing what was there; groups are made as needed. A failed call
  * changes nothing. Errors: E_PARAM (bad path), E_NOMEM, E_IO (no space in the temporary folder). */
 CONCEG_API conceg_status conceg_doc_write(conceg_doc *doc, const char *path,

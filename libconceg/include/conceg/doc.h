@@ -34,6 +34,15 @@ CONCEG_API void conceg_free(void *memory);
 /* Closes without saving; doc may be NULL. Returns E_IO when the input could not be closed. */
 CONCEG_API conceg_status conceg_doc_close(conceg_doc *doc);
 
+/* A run that is killed while it writes leaves at most one hidden file, .conceg-PID-N.tmp, beside its target
+ * (and none in the temporary folder where the file system can make files without a name). conceg_clean finds
+ * such files in one folder: those that no process has locked. `fn` (may be NULL) is called for each with its
+ * path and size; they are removed unless `keep` is not 0. Files of runs that are still going on are never
+ * touched. `ctx` may be NULL: there is no error line then. E_IO when the folder cannot be listed. */
+typedef void (*conceg_clean_fn)(void *user, const char *path, uint64_t bytes);
+CONCEG_API conceg_status conceg_clean(conceg_ctx *ctx, const char *folder, int keep, conceg_clean_fn fn,
+                                      void *user) CONCEG_NODISCARD;
+
 /* SHA-256 over (path, type, shape, bytes) of a group and all below it, in hex with a final NUL: a content
  * digest that does not depend on the file's layout. "/" digests the whole document except /provenance. */
 CONCEG_API conceg_status conceg_doc_digest(conceg_doc *doc, const char *group, char hex[65]) CONCEG_NODISCARD;

@@ -36,7 +36,8 @@ CONCEG_API const char *conceg_params_canonical(const conceg_params *params);
 
 /* Runs one stage on a document as the host must: checks `reads`, runs check() and run(), drops what became
  * stale and `drops`, writes @made_from and a /provenance row, validates what was written. On failure the
- * document is unusable. */
+ * document is unusable. The context's progress function is told of each phase with the text "phase: check
+ * KIND", "phase: run KIND", "phase: validate KIND" and a total of 0. */
 CONCEG_API conceg_status conceg_stage_run(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc,
                                           const conceg_params *params) CONCEG_NODISCARD;
 

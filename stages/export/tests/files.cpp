@@ -21,11 +21,15 @@
 #include <vtkXMLMultiBlockDataReader.h>
 #include <vtkXMLPolyDataReader.h>
 
+#include <csignal>
 #include <cstring>
+#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <sstream>
+#include <sys/file.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 using namespace conceg;
@@ -269,18 +273,40 @@ static void names_and_failures() {
   CHECK_EQUAL(status_of([&] { OutputFolder out(plain); }), CONCEG_E_IO);
   CHECK_EQUAL(status_of([&] { OutputFolder out(""); }), CONCEG_E_PARAM);
   CHECK_EQUAL(status_of([&] { OutputFile out(folder + "/absent/file"); }), CONCEG_E_IO);
-  // A full disk: /dev/full takes the open and refuses the bytes, so the final name never appears.
+  // A file that may not grow any more, as on a full disk: the final name never appears.
   {
     const std::string path = folder + "/never";
-    std::filesystem::create_symlink("/dev/full", path + ".part" + std::to_string(getpid()));
+    rlimit before;
+    getrlimit(RLIMIT_FSIZE, &before);
+    const rlimit small = {1000, before.rlim_max};
+    std::signal(SIGXFSZ, SIG_IGN);
+    setrlimit(RLIMIT_FSIZE, &small);
     CHECK_EQUAL(status_of([&] {
                   OutputFile out(path);
                   out.write(std::string(1 << 20, 'x'));
                   out.commit();
                 }),
                 CONCEG_E_IO);
+    setrlimit(RLIMIT_FSIZE, &before);
     CHECK(!std::filesystem::exists(path));
-    CHECK(!std::filesystem::is_symlink(path + ".part" + std::to_string(getpid())));
+  }
+  // What a killed run has left goes when the folder is used again; what somebody else holds stays.
+  {
+    const std::string left = folder + "/.conceg-1-7.tmp", held = folder + "/.conceg-1-8.tmp",
+                      other = folder + "/.conceg-x.tmp";
+    std::ofstream(left) << "left";
+    std::ofstream(held) << "held";
+    std::ofstream(other) << "not of this form";
+    const int descriptor = open(held.c_str(), O_RDONLY);
+    CHECK_EQUAL(flock(descriptor, LOCK_EX), 0);
+    make_folder(folder);
+    CHECK(!std::filesystem::exists(left));
+    CHECK(std::filesystem::exists(held));
+    CHECK(std::filesystem::exists(other));
+    close(descriptor);
+    make_folder(folder);
+    CHECK(!std::filesystem::exists(held));
+    std::filesystem::remove(other);
   }
   // A writer that gives up half way leaves nothing.
   {
@@ -289,7 +315,7 @@ static void names_and_failures() {
   }
   CHECK(!std::filesystem::exists(folder + "/given_up"));
   for (const auto &entry : std::filesystem::directory_iterator(folder))
-    CHECK(entry.path().string().find(".part") == std::string::npos);
+    CHECK(entry.path().string().find(".conceg") == std::string::npos);
 }
 
 int main() {
