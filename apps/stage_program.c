@@ -3,6 +3,7 @@
 #include "stage_program.h"
 
 #include "cli.h"
+#include "contain.h"
 #include "exec_stage.h"
 
 #include <stdlib.h>
@@ -68,7 +69,7 @@ static int run_stage(struct job *job) {
   if (status != CONCEG_OK) return cli_fail_stage_missing(cli, status);
   status = conceg_params_new(cli->ctx, stage, job->doc, job->recipe, cli->sets.word,
                              stage_arguments(job, stage), &params);
-  if (status == CONCEG_OK) status = conceg_stage_run(cli->ctx, stage, job->doc, params);
+  if (status == CONCEG_OK) status = contain_stage(cli, stage, job->doc, params);
   conceg_params_free(params);
   if (status != CONCEG_OK) return cli_fail_status(cli, status);
   if (cli->verbose) cli_print_costs(cli, job->kind, counters, seconds_now() - wall, seconds_of_cpu() - cpu);

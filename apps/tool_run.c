@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * conceg run: a whole recipe in one process. The result has the bytes of the pipe of the same stages. */
 #include "cli.h"
+#include "contain.h"
 #include "exec_stage.h"
 #include "pipeline.h"
 #include "tools.h"
@@ -104,7 +105,7 @@ static int run_builtin(struct run *run, const char *kind, const char *impl, int 
   conceg_status status = conceg_registry_find(run->registry, kind, impl, &stage);
   if (status != CONCEG_OK) return cli_fail_stage_missing(cli, status);
   status = make_params(run, stage, is_first, &params);
-  if (status == CONCEG_OK) status = conceg_stage_run(cli->ctx, stage, run->doc, params);
+  if (status == CONCEG_OK) status = contain_stage(cli, stage, run->doc, params);
   conceg_params_free(params);
   if (status != CONCEG_OK) return cli_fail_status(cli, status);
   if (cli->verbose) cli_print_costs(cli, kind, counters, seconds_now() - wall, seconds_of_cpu() - cpu);

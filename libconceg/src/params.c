@@ -123,6 +123,41 @@ static conceg_status no_memory(conceg_ctx *ctx) {
   return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "parameters: out of memory");
 }
 
+static int is_param_name(const char *name) {
+  const char *p;
+  for (p = name; (*p >= 'a' && *p <= 'z') || (p > name && ((*p >= '0' && *p <= '9') || *p == '_'));)
+    p++;
+  return p > name && !*p && p - name <= 64;
+}
+
+/* What is wrong with one row of a table, given the rows before it; NULL = nothing. */
+static const char *row_fault(const conceg_param *table, uint32_t i) {
+  const conceg_param *row = &table[i];
+  struct param_value value;
+  uint32_t before;
+  memset(&value, 0, sizeof value);
+  if (!is_param_name(row->name)) return "a name of at most 64 lower-case letters, digits and _";
+  if (row->type < CONCEG_PARAM_F64 || row->type > CONCEG_PARAM_FILE) return "a known type";
+  if (row->type == CONCEG_PARAM_CHOICE && (!row->choices || !*row->choices)) return "choices";
+  if ((row->type == CONCEG_PARAM_F64 || row->type == CONCEG_PARAM_I64) && !(row->lo <= row->hi))
+    return "a range with lo <= hi";
+  if (!row->fallback || !convert(row, row->fallback, 0, &value)) return "a default that fits the row";
+  for (before = 0; before < i; before++)
+    if (!strcmp(table[before].name, row->name)) return "a name that no other row has";
+  return NULL;
+}
+
+conceg_status params_check_table(conceg_ctx *ctx, const conceg_stage *stage, const char *from) {
+  uint32_t i;
+  for (i = 0; stage->params && stage->params[i].name; i++) {
+    const char *fault = i < TABLE_LIMIT ? row_fault(stage->params, i) : "a table of at most 256 rows";
+    if (fault)
+      return conceg_ctx_fail(ctx, CONCEG_E_ABI, "%s: parameter %u (%.64s): expected %s", from, i,
+                             stage->params[i].name, fault);
+  }
+  return CONCEG_OK;
+}
+
 static conceg_status set_defaults(conceg_ctx *ctx, conceg_params *params) {
   const conceg_param *table = params->stage->params;
   uint32_t i;

@@ -34,4 +34,8 @@ struct conceg_params {
   uint64_t seed;
 };
 
+/* Every row of a stage's table is sound: name, type, range, default, no name twice, at most 256 rows. E_ABI
+ * naming `from` and the row. */
+conceg_status params_check_table(conceg_ctx *ctx, const conceg_stage *stage, const char *from);
+
 #endif

@@ -3,12 +3,14 @@
 #define _GNU_SOURCE /* dladdr, RTLD_LOCAL */
 #include "plugin.h"
 
+#include "params_internal.h"
 #include "text.h"
 
 #include <dirent.h>
 #include <dlfcn.h>
 
 #define STAGES_PER_PLUGIN 64u
+#define GROUPS_PER_LIST 64u
 #define PREFIX "libconceg_stage_"
 #define SUFFIX ".so"
 
@@ -134,8 +136,19 @@ conceg_status plugin_find_all(conceg_ctx *ctx, struct plugin_list *list) {
   return status;
 }
 
+/* "/cells" or "cells"; the list ends with NULL. */
+static int is_group_list(const char *const *group) {
+  uint32_t i;
+  for (i = 0; group && group[i]; i++) {
+    const char *name = group[i] + (group[i][0] == '/');
+    if (i == GROUPS_PER_LIST || !*name || strlen(name) > 64 ||
+        name[strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789_")])
+      return 0;
+  }
+  return 1;
+}
+
 conceg_status stage_check(conceg_ctx *ctx, const conceg_stage *stage, const char *from) {
-  const conceg_param *row;
   if (stage->abi != CONCEG_STAGE_ABI)
     return conceg_ctx_fail(
         ctx, CONCEG_E_ABI,
@@ -148,12 +161,12 @@ conceg_status stage_check(conceg_ctx *ctx, const conceg_stage *stage, const char
   if (!stage->kind || !stage->name || !*stage->kind || !*stage->name || !stage->run)
     return conceg_ctx_fail(ctx, CONCEG_E_ABI, "%s: expected kind, name and run in the descriptor, got NULL",
                            from);
-  for (row = stage->params; row && row->name; row++)
-    if (!row->fallback || (row->type == CONCEG_PARAM_CHOICE && !row->choices))
-      return conceg_ctx_fail(ctx, CONCEG_E_ABI,
-                             "%s: parameter %s: expected a default (and choices for a choice), got NULL",
-                             from, row->name);
-  return CONCEG_OK;
+  if (!is_group_list(stage->reads) || !is_group_list(stage->writes) || !is_group_list(stage->drops))
+    return conceg_ctx_fail(
+        ctx, CONCEG_E_ABI,
+        "%s: expected reads, writes and drops of at most %u names of groups each, ending with NULL", from,
+        GROUPS_PER_LIST);
+  return params_check_table(ctx, stage, from);
 }
 
 /* The stage of the plugin's own kind and name among those that the library offers. */

@@ -159,32 +159,52 @@ static conceg_status note_written(conceg_ctx *ctx, const conceg_stage *stage, co
   return CONCEG_OK;
 }
 
-/* Groups that were there before the run, to find what the stage did not say it writes. */
+/* Groups that were there before the run, with their digests, to find what the stage did beyond what it says.
+ */
 struct snapshot {
-  char *name[GROUP_LIMIT];
+  struct {
+    char *path; /* "/cells/", "/recipe" */
+    char digest[65];
+  } group[GROUP_LIMIT];
   uint32_t count;
 };
 
+/* The digests are at hand: the provenance row has just taken that of the whole document. */
 static conceg_status snapshot_take(conceg_ctx *ctx, conceg_doc *doc, struct snapshot *out) {
   const uint64_t children = conceg_doc_children(doc, "/");
   uint64_t i;
   memset(out, 0, sizeof *out);
   for (i = 0; i < children && out->count < GROUP_LIMIT; i++) {
     const char *child = conceg_doc_child(doc, "/", i);
-    out->name[out->count] = text_copy(child, strlen(child));
-    if (!out->name[out->count]) return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "run: out of memory");
+    conceg_status status;
+    if (strchr(child, '@') || !strncmp(child, "/x_", 3)) continue;
+    out->group[out->count].path = text_copy(child, strlen(child));
+    if (!out->group[out->count].path) return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "run: out of memory");
+    status = conceg_doc_digest(doc, child, out->group[out->count].digest);
     out->count++;
+    if (status != CONCEG_OK) return status;
   }
   return CONCEG_OK;
 }
 
 static void snapshot_free(struct snapshot *snapshot) {
   while (snapshot->count)
-    free(snapshot->name[--snapshot->count]);
+    free(snapshot->group[--snapshot->count].path);
 }
 
-static conceg_status check_undeclared(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc,
-                                      const struct snapshot *before) {
+static void group_of(const char *path, char group[GROUP_PATH]) {
+  snprintf(group, GROUP_PATH, "%.*s", (int)strcspn(path + 1, "/"), path + 1);
+}
+
+static conceg_status fail_undeclared(conceg_ctx *ctx, const conceg_stage *stage, const char *did,
+                                     const char *group) {
+  return conceg_ctx_fail(ctx, CONCEG_E_STAGE, "%s (%s): %s /%s, which its descriptor does not list",
+                         stage->kind, stage->name, did, group);
+}
+
+/* New groups that it does not list. */
+static conceg_status check_new(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc,
+                               const struct snapshot *before) {
   const uint64_t children = conceg_doc_children(doc, "/");
   uint64_t i;
   uint32_t j;
@@ -192,13 +212,28 @@ static conceg_status check_undeclared(conceg_ctx *ctx, const conceg_stage *stage
   for (i = 0; i < children; i++) {
     const char *child = conceg_doc_child(doc, "/", i);
     char group[GROUP_PATH];
-    for (j = 0; j < before->count && strcmp(before->name[j], child) != 0;)
+    for (j = 0; j < before->count && strcmp(before->group[j].path, child) != 0;)
       j++;
     if (j < before->count || strchr(child, '@') || !strncmp(child, "/x_", 3)) continue;
-    snprintf(group, sizeof group, "%.*s", (int)strcspn(child + 1, "/"), child + 1);
+    group_of(child, group);
+    if (!group_in(stage->writes, group)) return fail_undeclared(ctx, stage, "wrote", group);
+  }
+  return CONCEG_OK;
+}
+
+/* Old groups that it does not list are as they were. */
+static conceg_status check_untouched(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc,
+                                     const struct snapshot *before) {
+  uint32_t i;
+  for (i = 0; i < before->count; i++) {
+    char group[GROUP_PATH], digest[65];
+    conceg_status status;
+    group_of(before->group[i].path, group);
     if (group_in(stage->writes, group)) continue;
-    return conceg_ctx_fail(ctx, CONCEG_E_STAGE, "%s (%s): wrote /%s, which its descriptor does not list",
-                           stage->kind, stage->name, group);
+    if (!conceg_doc_has(doc, before->group[i].path)) return fail_undeclared(ctx, stage, "dropped", group);
+    status = conceg_doc_digest(doc, before->group[i].path, digest);
+    if (status != CONCEG_OK) return status;
+    if (strcmp(digest, before->group[i].digest) != 0) return fail_undeclared(ctx, stage, "changed", group);
   }
   return CONCEG_OK;
 }
@@ -216,6 +251,9 @@ static conceg_status run_body(conceg_ctx *ctx, const conceg_stage *stage, conceg
   if (status == CONCEG_OK) status = drop_old_results(ctx, stage, doc);
   if (status == CONCEG_OK) status = tell_phase(ctx, "run", stage);
   if (status == CONCEG_OK) status = stage->run(ctx, doc, params);
+  if (status != CONCEG_OK && !strcmp(conceg_status_name(status), "E_UNKNOWN"))
+    return conceg_ctx_fail(ctx, CONCEG_E_STAGE, "%s (%s): returned %d, which is no status", stage->kind,
+                           stage->name, (int)status);
   if (status != CONCEG_OK) {
     if (!*conceg_ctx_error(ctx))
       return conceg_ctx_fail(ctx, status, "%s (%s): %s", stage->kind, stage->name,
@@ -239,7 +277,8 @@ static conceg_status run_noted(conceg_ctx *ctx, const conceg_stage *stage, conce
   if (status == CONCEG_OK) status = snapshot_take(ctx, doc, before);
   if (status == CONCEG_OK) status = run_body(ctx, stage, doc, params);
   if (status == CONCEG_OK) status = tell_phase(ctx, "validate", stage);
-  if (status == CONCEG_OK) status = check_undeclared(ctx, stage, doc, before);
+  if (status == CONCEG_OK) status = check_new(ctx, stage, doc, before);
+  if (status == CONCEG_OK) status = check_untouched(ctx, stage, doc, before);
   if (status == CONCEG_OK) status = drop_stale(ctx, stage, doc);
   if (status == CONCEG_OK) status = drop_unwanted(stage, doc, params);
   if (status == CONCEG_OK) status = note_written(ctx, stage, doc, origins);

@@ -28,6 +28,20 @@ expect 1 "wrote /volumes, which its descriptor does not list" "$conceg" relax --
 expect 1 "asked for the parameter \"no_such_row\"" "$conceg" relax --impl asking "$t/toy.cgx" -o "$t/x.cgx"
 expect 1 "relax \(silent\)" "$conceg" relax --impl silent "$t/toy.cgx" -o "$t/x.cgx"
 expect 1 "conceg relax: error: the toy exploded" "$conceg" relax --impl throwing "$t/toy.cgx" -o "$t/x.cgx"
+expect 1 "relax \(changing\): changed /cells, which its descriptor does not list" "$conceg" relax --impl changing "$t/toy.cgx" -o "$t/x.cgx"
+expect 1 "relax \(dropping\): dropped /cells, which its descriptor does not list" "$conceg" relax --impl dropping "$t/toy.cgx" -o "$t/x.cgx"
+expect 1 "relax \(forging\): dropped /provenance, which" "$conceg" relax --impl forging "$t/toy.cgx" -o "$t/x.cgx"
+expect 1 "relax \(nonsense\): returned 7, which is no status" "$conceg" relax --impl nonsense "$t/toy.cgx" -o "$t/x.cgx"
+expect 1 "relax \(ending\) ended the program while it ran; nothing was written" "$conceg" relax --impl ending "$t/toy.cgx" -o "$t/x.cgx"
+if "$conceg" version | grep -q sanitizer || nm -D "$conceg" 2> /dev/null | grep -q __asan_init; then echo "under a sanitizer: its own report stands for a crash"
+else
+  expect 1 "relax \(crashing\) crashed while it ran: signal 11; nothing was written" "$conceg" relax --impl crashing "$t/toy.cgx" -o "$t/x.cgx"
+  expect 1 "relax \(thrown\) crashed while it ran: signal 6; nothing was written" "$conceg" relax --impl thrown "$t/toy.cgx" -o "$t/x.cgx"
+  expect_true "CONCEG_CORE keeps the signal" sh -c "CONCEG_CORE=1 '$conceg' relax --impl crashing '$t/toy.cgx' -o '$t/x.cgx' 2> /dev/null; test \$? -eq 139"
+fi
+expect 0 "^a stage that prints$" "$conceg" relax --impl printing "$t/toy.cgx" -o "$t/printed.cgx"
+expect 0 "" sh -c "'$conceg' relax --impl printing '$t/toy.cgx' > '$t/piped.cgx'"
+expect_same "$t/printed.cgx" "$t/piped.cgx"
 expect_true "a failed stage leaves no output" test ! -e "$t/x.cgx"
 expect 3 "needs /skeleton, which the document does not have; run conceg grow before it" \
   sh -c "'$conceg' strip skeleton '$t/toy.cgx' | '$conceg' relax --impl beads -o '$t/x.cgx'"
@@ -40,6 +54,10 @@ expect 0 "" "$conceg" run "$t/toy.yaml" --set 'stages=[place,relax]' --set relax
 CONCEG_STAGE_PATH=$bad
 expect 5 "libconceg_stage_relax_wrongabi.so: built for stage ABI 2, this library has 1" "$conceg" relax --impl wrongabi "$t/toy.cgx" -o "$t/x.cgx"
 expect 5 "libconceg_stage_relax_short.so: expected a descriptor of at least [0-9]+ bytes, got [0-9]+" "$conceg" relax --impl short "$t/toy.cgx" -o "$t/x.cgx"
+for fault in "twice:a name that no other row has" "beyond:a default that fits the row" "turned:a range with lo <= hi" \
+  "shouting:a name of at most 64 lower-case letters" "typeless:a known type" "defaultless:a default that fits" "choiceless:choices" "endless:a table of at most 256 rows"; do
+  expect 5 "libconceg_stage_relax_${fault%%:*}.so: parameter [0-9]+ \(.*\): expected ${fault#*:}" "$conceg" relax --impl "${fault%%:*}" "$t/toy.cgx" -o "$t/x.cgx"
+done
 expect 5 "libconceg_stage_relax_misnamed.so: by its file name expected the stage relax misnamed, got relax other" \
   "$conceg" relax --impl misnamed "$t/toy.cgx" -o "$t/x.cgx"
 expect 5 "libconceg_stage_relax_garbage.so: cannot be opened" "$conceg" relax --impl garbage "$t/toy.cgx" -o "$t/x.cgx"

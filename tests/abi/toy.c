@@ -4,6 +4,8 @@
  */
 #include <conceg/conceg.h>
 
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static conceg_status write_array(conceg_doc *doc, const char *path, conceg_dtype dtype, uint64_t rows,
@@ -102,6 +104,42 @@ static conceg_status fail_silently(conceg_ctx *ctx, conceg_doc *doc, const conce
   return CONCEG_E_STAGE;
 }
 
+/* Groups of others, in the document that they trust. */
+static conceg_status change_cells(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
+  static const float radius[2] = {7, 7};
+  (void)ctx, (void)params;
+  return write_array(doc, "/cells/radius", CONCEG_F32, 2, 1, radius);
+}
+static conceg_status drop_cells(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
+  (void)ctx, (void)params;
+  return conceg_doc_drop(doc, "/cells");
+}
+static conceg_status forge_provenance(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
+  (void)ctx, (void)params;
+  return conceg_doc_drop(doc, "/provenance");
+}
+
+/* The process itself. */
+static conceg_status return_nonsense(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
+  (void)ctx, (void)doc, (void)params;
+  return (conceg_status)7;
+}
+static conceg_status end_program(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
+  (void)ctx, (void)doc, (void)params;
+  exit(0);
+}
+static conceg_status crash(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
+  volatile int *nowhere = NULL;
+  (void)ctx, (void)doc, (void)params;
+  *nowhere = 1;
+  return CONCEG_OK;
+}
+static conceg_status print_to_stdout(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
+  (void)ctx, (void)doc, (void)params;
+  puts("a stage that prints");
+  return CONCEG_OK;
+}
+
 /* Reports progress until somebody cancels. */
 static conceg_status wait_for_cancel(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   conceg_status status = CONCEG_OK;
@@ -122,6 +160,24 @@ static const conceg_param table[] = {
     {"table", "", "a file", "", NULL, CONCEG_PARAM_FILE, 0, 0, 0},
     {NULL, NULL, NULL, NULL, NULL, 0, 0, 0, 0},
 };
+/* Tables that a host must not believe; TOY_TABLE chooses. */
+#define LAST_ROW                                                                                             \
+  { NULL, NULL, NULL, NULL, NULL, 0, 0, 0, 0 }
+static const conceg_param twice[] = {{"a", "", "", "1", NULL, CONCEG_PARAM_I64, 0, 0, 9},
+                                     {"a", "", "", "1", NULL, CONCEG_PARAM_I64, 0, 0, 9},
+                                     LAST_ROW},
+                          beyond[] = {{"a", "", "", "12", NULL, CONCEG_PARAM_I64, 0, 0, 9}, LAST_ROW},
+                          turned[] = {{"a", "", "", "1", NULL, CONCEG_PARAM_F64, 0, 9, 0}, LAST_ROW},
+                          shouting[] = {{"Not a name", "", "", "1", NULL, CONCEG_PARAM_F64, 0, 0, 9},
+                                        LAST_ROW},
+                          typeless[] = {{"a", "", "", "1", NULL, 99, 0, 0, 9}, LAST_ROW},
+                          defaultless[] = {{"a", "", "", NULL, NULL, CONCEG_PARAM_TEXT, 0, 0, 9}, LAST_ROW},
+                          choiceless[] = {{"a", "", "", "x", NULL, CONCEG_PARAM_CHOICE, 0, 0, 9}, LAST_ROW};
+static conceg_param endless[300];
+#ifndef TOY_TABLE
+#define TOY_TABLE table
+#endif
+
 static const char *const source_writes[] = {"/domain", "/types", "/cells", "/skeleton", NULL};
 static const char *const needs[] = {"/cells", "/skeleton", NULL};
 static const char *const skeleton[] = {"/skeleton", NULL}, *const spheres[] = {"/spheres", NULL};
@@ -133,7 +189,17 @@ static const conceg_stage *describe(void) {
   stage.size = (uint32_t)sizeof stage - TOY_SIZE_OFFSET;
   stage.kind = TOY_KIND, stage.name = TOY_NAME, stage.version = "1.0.0";
   stage.summary = "a stage for tests";
-  stage.params = table;
+  /* Every table is used by one of the libraries made of this file. */
+  const conceg_param *const all[] = {table,    twice,    beyond,      turned,
+                                     shouting, typeless, defaultless, choiceless};
+  static char names[300][8];
+  for (int i = 0; i < 300; i++) {
+    snprintf(names[i], sizeof names[i], "a%d", i);
+    endless[i] = beyond[0];
+    endless[i].name = names[i];
+    endless[i].fallback = "1";
+  }
+  stage.params = all[0] ? TOY_TABLE : NULL;
   stage.run = run;
   if (run == make_tissue) {
     stage.writes = source_writes;
@@ -147,8 +213,10 @@ static const conceg_stage *describe(void) {
 
 const conceg_stage *conceg_stage_entry(uint32_t host_abi, uint32_t index) {
   /* Every function is used by one of the libraries made of this file. */
-  static const run_fn all[] = {make_tissue,     make_spheres,  break_rules,    write_elsewhere,
-                               ask_for_nothing, fail_silently, wait_for_cancel};
+  static const run_fn all[] = {make_tissue,     make_spheres,     break_rules,     write_elsewhere,
+                               ask_for_nothing, fail_silently,    wait_for_cancel, change_cells,
+                               drop_cells,      forge_provenance, return_nonsense, end_program,
+                               crash,           print_to_stdout};
   (void)host_abi;
   return index == 0 && all[0] ? describe() : NULL;
 }

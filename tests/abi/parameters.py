@@ -1,0 +1,257 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every parameter of every stage does something: it is flipped from its default to a bound (another choice, the other switch), and
+the output must have other bytes, or be the same for a reason that is stated here and then demanded. Values beyond the bounds are
+refused with exit code 2.  parameters.py BIN SOURCE [--plant STAGE:IMPL]
+
+With --plant only the stage of that plugin is looked at: a planted parameter without an effect must be found."""
+import hashlib
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+# A value other than a bound, and why.
+instead = {
+    "triangulate.density_per_um3": ("1", "at the bounds there is one node, or 1e7"),
+    "mesh.h_um": ("0.8", "at the bounds the grid has 1e10 nodes, or holds no cell"),
+    "mesh.gap_um": ("0.3", "at the upper bound nothing is left of the cells"),
+    "mesh.inflate_um": ("0.1", "at the upper bound one cell fills the box"),
+    "mesh.volume_step_um": ("1", "the lower bound is the default, the upper one is wider than the box"),
+    "mesh.tolerance_um": ("0", "at the upper bound the surfaces are simplified for minutes"),
+    "relax.iterations": ("5", "the upper bound takes an hour"),
+    "place.soma_gap_um": ("2", "the lower bound shows only where somata touch, the upper one fits no box"),
+    "relax.skin_um": ("0.5", "at the upper bound the list of pairs is everything"),
+    "relax.sphere_spacing": ("2", "the lower bound makes twenty times the spheres"),
+    "grow.max_edge_um": ("1", "any shorter edge shows"),
+    "analyse.points": ("1000", "the upper bound takes minutes"),
+    "analyse.field_step_um": ("1", "the lower bound is the default, the upper one is wider than a cell"),
+    "render.samples": ("1", "the upper bound takes a minute"),
+    "render.size_px": ("64", "the upper bound takes a minute"),
+    "characterise.astrocyte_donors": ("3", "the upper bound makes a large table"),
+}
+# The same bytes are demanded.
+same = {
+    "relax.skin_um": "slack of the list of pairs: changes the time only",
+    "triangulate.tile_um": "size of the pieces that are worked on: changes the time only",
+    "analyse.icvf_tolerance": "where a warning begins: the measures are the same",
+    "characterise.root": "a folder that the files of this test are not in",
+    "characterise.csv": "a folder for files beside the document",
+    "mesh.vdb": "a file beside the document",
+    "export.dir": "where the files go, not what is in them",
+    "render.dir": "where the files go, not what is in them",
+}
+# Texts and paths have no bounds.
+texts = {
+    "characterise.entry": "others",
+    "characterise.table": "{work}/two.csv",
+    "characterise.root": "{work}",
+    "characterise.csv": "{work}/csv",
+    "mesh.vdb": "{work}/cells.vdb",
+    "export.cells": "0",
+    "export.dir": "{work}/exported",
+    "render.cells": "0",
+    "render.dir": "{work}/rendered",
+}
+# Options that the flip needs to be seen.
+needs = {
+    "export.ascii": ["--to", "ply"],
+    "render.cut_axis": ["--what", "cut"],
+    "render.cut_position": ["--what", "cut"],
+}
+quick = {"render": ["--size-px", "96"], "analyse": ["--points", "20000"], "mesh": ["--h-um", "0.6"], "relax": ["--iterations", "8"]}
+
+cell = """1 1 0 0 0 5 -1
+2 4 0 0 5 1 1
+3 4 0 0 20 0.8 2
+4 4 5 0 40 0.6 3
+5 4 -6 0 45 0.02 3
+6 4 0.5 1 21 0.1 3
+7 3 5 0 0 1 1
+8 3 20 5 0 0.7 7
+9 3 22 5.5 0 0.25 8
+10 3 30 12 4 0.4 8
+11 3 0 5 0 0.5 1
+12 3 0 6.5 0 0.5 11
+13 2 0 -5 0 0.4 1
+14 2 3 -40 2 0.3 13
+15 2 30 -60 2 0.3 14
+"""
+
+
+class Parameters:
+    def __init__(self, programs, source, work):
+        self.programs, self.source, self.work = programs, source, work
+        self.flips = self.changed = self.refused = 0
+        self.excused, self.by_refusal, self.failures = [], [], []
+
+    def run(self, word, *words):
+        own = self.programs / f"conceg-{word}"
+        command = [own] if own.exists() else [self.programs / "conceg", word]
+        return subprocess.run([*map(str, command), *map(str, words)], capture_output=True, text=True)
+
+    def must(self, *words):
+        done = self.run(*words)
+        if done.returncode:
+            sys.exit(f"{' '.join(map(str, words))} failed: {done.stderr}")
+
+    def prepare(self, until="mesh"):
+        work = self.work
+        recipe = work / "recipe.yaml"
+        recipe.write_text((self.source / "tests/pipe/small.yaml").read_text().replace("[28, 28, 28]", "[20, 20, 20]").replace("1.4e-4", "2.6e-4"))
+        self.must("run", recipe, "--until", until, "--set", "mesh.h_um=0.6", "-q", "--checkpoint", work / "made", "-o", work / "mesh.cgx")
+        (work / "cell.swc").write_text(cell)
+        (work / "loose.swc").write_text(cell.replace("2 4 0 0 5 1 1", "2.0 4 0 0 5 1 1"))
+        columns = "file,entry,class,donor_id,fold,frame,soma_radius_um,axon,note\n"
+        (work / "two.csv").write_text(columns + "cell.swc,two,interneuron,,0,-y,,full,\n")
+        (work / "glia.csv").write_text(columns + f"{self.source}/data/astrocyte-barcodes.csv,glia,astrocyte,,0,unknown,,,\n")
+        made = work / "made"
+        self.inputs = {
+            "place": ["-p", recipe], "triangulate": [made / "01-place.cgx"], "grow": [made / "02-triangulate.cgx"], "relax": [made / "03-grow.cgx"],
+            "mesh": [made / "04-relax.cgx"], "analyse": [work / "mesh.cgx"], "export": [work / "mesh.cgx"], "render": [work / "mesh.cgx"],
+            "characterise": [work / "cell.swc"],
+        }
+
+    def words_of(self, stage, name):
+        if stage == "characterise" and name.startswith("astrocyte"):
+            return ["--table", self.work / "glia.csv"]
+        if stage == "characterise" and name == "strict":
+            return [self.work / "loose.swc"]
+        if stage == "characterise" and name == "table":
+            return []
+        return self.inputs[stage]
+
+    def output(self, stage, words, sink):
+        """Bytes of what a run makes, as a digest; None and the error of a run that refuses."""
+        target = self.work / "out"
+        shutil.rmtree(target, ignore_errors=True)
+        target.mkdir()
+        if sink:
+            given = [w for w in map(str, words) if w.startswith("--dir=")]
+            done = self.run(stage, *words, *([] if given else [f"--dir={target}/files"]), "-q")
+        else:
+            done = self.run(stage, *words, "-q", "-o", target / "out.cgx")
+        if done.returncode:
+            return None, done
+        if not sink:
+            # A source that got no recipe writes one only when a parameter was given.
+            recipe = "recipe," if self.run("dump", "/recipe", target / "out.cgx", "-q").returncode == 0 else ""
+            self.must("strip", recipe + "provenance", target / "out.cgx", "-q", "-o", target / "bare.cgx")
+            return hashlib.sha256((target / "bare.cgx").read_bytes()).hexdigest(), done
+        folder = target / "files"
+        if given:
+            folder = pathlib.Path(given[0][6:])
+        digest = hashlib.sha256()
+        files = sorted(p for p in folder.rglob("*") if p.is_file())
+        for path in files:
+            digest.update(str(path.relative_to(folder)).encode() + path.read_bytes())
+        return (digest.hexdigest() if files else None), done
+
+    def values(self, stage, row):
+        """Values to try, in turn, until one shows."""
+        key, default = f"{stage}.{row['name']}", row["default"]
+        if key in instead:
+            return [instead[key][0]]
+        if key in texts:
+            return [texts[key].format(work=self.work)]
+        if row["type"] in ("text", "file"):
+            return ["other"]
+        if row["type"] == "bool":
+            return ["false" if default == "true" else "true"]
+        if row["type"] == "choice":
+            return [c for c in row["choices"].split("|") if c != default]
+        return [f"{v:g}" for v in (row["lo"], row["hi"]) if f"{v:g}" != default]
+
+    def flip(self, stage, row, base, sink, extra):
+        key = f"{stage}.{row['name']}"
+        option = "--" + row["name"].replace("_", "-")
+        words = [*self.words_of(stage, row["name"]), *extra, *needs.get(key, [])]
+        words = [w for i, w in enumerate(words) if w != option and (i == 0 or words[i - 1] != option)]
+        special = words != [*self.inputs[stage], *extra]
+        before = self.output(stage, words, sink)[0] if special and row["name"] != "table" else base
+        if row["name"] == "table":
+            before = base
+        self.flips += 1
+        shown = []
+        for value in self.values(stage, row):
+            after, done = self.output(stage, [*words, f"{option}={value}"], sink)
+            if after is None:
+                # A refusal that names the parameter, or the file it now refuses, is an effect too.
+                if done.returncode in (1, 3) and "error" in done.stderr:
+                    shown.append(f"{value}: refused ({done.stderr.strip().splitlines()[-1][:110]})")
+                    continue
+                self.failures.append(f"{key}={value}: exit code {done.returncode}: {done.stderr.strip()[:200]}")
+                return
+            if after != before:
+                shown.append(value)
+                break
+        if key in same:
+            if shown:
+                self.failures.append(f"{key}: expected the same bytes ({same[key]}), but {shown[0]} changes them")
+            else:
+                self.excused.append(f"{key}: {same[key]}")
+        elif not shown:
+            self.failures.append(f"{key}: {' '.join(self.values(stage, row))}: no byte of the output changes")
+        elif all(": refused (" in value for value in shown):
+            self.by_refusal.append(f"{key}={shown[0]}")
+        else:
+            self.changed += 1
+
+    def refuse(self, stage, row):
+        beyond = {"f64": ["nan", "inf"], "i64": ["0.5"], "bool": ["maybe"], "choice": ["none-of-these"]}.get(row["type"], [])
+        if row["type"] in ("f64", "i64"):
+            beyond += [f"{row['lo'] - 1:.15g}", f"{row['hi'] * 2 + 1:.15g}"]
+        source = stage in ("place", "characterise", "import")
+        for value in beyond:
+            done = self.run(stage, *(self.inputs[stage] if source else [self.work / "made/01-place.cgx"]), "--set", f"{stage}.{row['name']}={value}",
+                            "-o", self.work / "refused.cgx", "-q")
+            if done.returncode != 2 or row["name"] not in done.stderr:
+                self.failures.append(f"{stage}.{row['name']}={value!r}: expected exit code 2 and its name, got {done.returncode}: {done.stderr.strip()[:160]}")
+            self.refused += 1
+
+    def stage(self, stage, impl=None):
+        extra = ["--impl", impl] if impl else quick.get(stage, [])
+        listed = json.loads(self.run("params", stage, "--json", *(["--impl", impl] if impl else [])).stdout)
+        rows = listed if isinstance(listed, list) else listed["parameters"]
+        sink = stage in ("export", "render", "report")
+        base, done = self.output(stage, [*self.inputs[stage], *extra], sink)
+        if base is None:
+            sys.exit(f"{stage}: the run at the defaults failed: {done.stderr}")
+        start = time.monotonic()
+        for row in rows:
+            self.flip(stage, row, base, sink, extra)
+            if not impl:
+                self.refuse(stage, row)
+        print(f"{stage}: {len(rows)} parameters, {time.monotonic() - start:.1f} s", flush=True)
+
+
+def main():
+    programs, source = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+    with tempfile.TemporaryDirectory() as folder:
+        test = Parameters(programs, source, pathlib.Path(folder))
+        test.prepare("grow" if "--plant" in sys.argv else "mesh")
+        if "--plant" in sys.argv:
+            stage, impl = sys.argv[sys.argv.index("--plant") + 1].split(":")
+            test.stage(stage, impl)
+        else:
+            words = [p.name[7:] for p in sorted(programs.glob("conceg-*"))]
+            for stage in words:
+                if stage in test.inputs:
+                    test.stage(stage)
+                else:
+                    test.failures.append(f"{stage}: this test does not know how to run the stage")
+    for line in test.excused:
+        print(f"same bytes demanded: {line}")
+    for line in test.by_refusal:
+        print(f"refused by the stage at every value tried: {line}")
+    for line in test.failures:
+        print(f"FAILED: {line}")
+    print(f"{test.flips} parameters flipped: {test.changed} change the output, {len(test.by_refusal)} make the stage refuse, {len(test.excused)} keep it for a stated reason, {len(test.failures)} failures; "
+          f"{test.refused} values beyond the bounds refused")
+    return 1 if test.failures or not test.flips else 0
+
+
+sys.exit(main())
