@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * SWC reader: memory, problems, reading a file, and the accessors. */
+#define _GNU_SOURCE
 #include "swc_internal.h"
 
 #include <errno.h>
@@ -7,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 void *swc_alloc(conceg_swc *swc, size_t count, size_t size) {
   void *memory = swc->out_of_memory ? NULL : calloc(count ? count : 1, size);
@@ -87,6 +89,7 @@ static void report_remarks(conceg_swc *swc) {
       {"W_DELIM", "columns are separated by commas; write single spaces", 1},
       {"W_TRAILING", "text after the columns starts with #; it is left out", 0},
       {"W_COLUMNS", "more than 7 columns; the extra ones are kept as column8, column9, ...", 0},
+      {"W_COLUMNS", "an extra column is no number; left out", 0},
       {"W_FLOAT_ID", "id, type or parent is written as a decimal number; read as an integer", 1},
       {"W_ENCODING", "a comment holds bytes that are not UTF-8; kept as they are", 0},
       {"W_TYPE", "type is negative (read as 0) or 20 or more (kept)", 0},
@@ -119,10 +122,31 @@ static conceg_status conclude(conceg_swc *swc) {
   if (swc->problem_count) qsort(swc->problem, swc->problem_count, sizeof *swc->problem, by_line);
   for (i = 0; i < swc->problem_count; i++) {
     const swc_problem *p = &swc->problem[i];
-    if (p->severity == 0)
-      return conceg_ctx_fail(swc->ctx, CONCEG_E_FORMAT, "%s:%u: %s: %s", swc->name, p->line, p->code,
-                             p->text);
+    if (p->severity) continue;
+    if (!p->line)
+      return conceg_ctx_fail(swc->ctx, CONCEG_E_FORMAT, "%s: %s: %s", swc->name, p->code, p->text);
+    return conceg_ctx_fail(swc->ctx, CONCEG_E_FORMAT, "%s:%u: %s: %s", swc->name, p->line, p->code, p->text);
   }
+  return CONCEG_OK;
+}
+
+/* What only the making of the samples needed. */
+static void free_rows(conceg_swc *swc) {
+  free(swc->row), free(swc->parent), free(swc->merged), free(swc->is_soma), free(swc->row_cell);
+  free(swc->first_child), free(swc->next_sibling), free(swc->sample_row);
+  free(swc->soma_row), free(swc->soma_first);
+  swc->row = NULL, swc->parent = NULL, swc->merged = swc->is_soma = NULL, swc->row_cell = NULL;
+  swc->first_child = swc->next_sibling = swc->sample_row = swc->soma_row = NULL, swc->soma_first = NULL;
+}
+
+static conceg_status check_flags(conceg_ctx *ctx, uint32_t flags) {
+  const uint32_t both = CONCEG_SWC_DROP_FLOATING | CONCEG_SWC_ATTACH_FLOATING;
+  if (flags & ~(CONCEG_SWC_STRICT | CONCEG_SWC_SPLIT | both))
+    return conceg_ctx_fail(ctx, CONCEG_E_PARAM, "reading SWC: expected flags of conceg/swc.h, got 0x%x",
+                           flags);
+  if ((flags & both) == both)
+    return conceg_ctx_fail(ctx, CONCEG_E_PARAM,
+                           "reading SWC: floating trees can be dropped or attached, not both");
   return CONCEG_OK;
 }
 
@@ -131,6 +155,8 @@ conceg_status conceg_swc_parse(conceg_ctx *ctx, const char *text, size_t length,
   conceg_swc *swc;
   conceg_status status;
   *out = NULL;
+  status = check_flags(ctx, flags);
+  if (status != CONCEG_OK) return status;
   if (length >= UINT32_MAX)
     return conceg_ctx_fail(ctx, CONCEG_E_RANGE, "%s: expected less than 4 GiB, got %zu bytes", name, length);
   swc = calloc(1, sizeof *swc);
@@ -141,47 +167,56 @@ conceg_status conceg_swc_parse(conceg_ctx *ctx, const char *text, size_t length,
   swc_parse_text(swc, text, length);
   if (!swc->out_of_memory && !swc->error_count) swc_build_tree(swc);
   status = conclude(swc);
-  if (status != CONCEG_OK) swc->count = 0;
+  free_rows(swc);
+  if (status != CONCEG_OK) swc->count = 0, swc->cell_count = 0;
   return status;
+}
+
+static conceg_status too_large(conceg_ctx *ctx, const char *path) {
+  return conceg_ctx_fail(ctx, CONCEG_E_RANGE, "%s: expected less than 4 GiB, got more", path);
+}
+
+/* The size of a regular file, so that its text takes no more memory than that; 0 = not known. */
+static uint64_t file_size(FILE *file) {
+  struct stat about;
+  return fstat(fileno(file), &about) == 0 && S_ISREG(about.st_mode) && about.st_size > 0
+             ? (uint64_t)about.st_size
+             : 0;
 }
 
 /* The whole file in memory; *out is NULL after an error. */
 static conceg_status load(conceg_ctx *ctx, const char *path, char **out, size_t *length) {
   FILE *file = fopen(path, "rb");
   char *text = NULL;
-  size_t room = 0, used = 0;
-  int failed = 0;
+  size_t used = 0, room = 0, got = 1;
+  uint64_t size;
+  int reason = 0;
   *out = NULL, *length = 0;
   if (!file) return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
-  errno = 0;
-  for (;;) {
-    size_t got;
+  size = file_size(file);
+  setvbuf(file, NULL, _IONBF, 0);
+  while (got && size < UINT32_MAX && used < UINT32_MAX && !reason) {
     if (used == room) {
-      char *grown = room > UINT32_MAX ? NULL : realloc(text, room ? room * 2 : 1 << 16);
-      if (!grown) {
-        failed = 1;
-        break;
-      }
-      text = grown, room = room ? room * 2 : 1 << 16;
+      const size_t wanted = room ? room * 2 : size ? (size_t)size + 1 : 1 << 16;
+      char *grown = realloc(text, wanted);
+      if (!grown) break;
+      text = grown, room = wanted;
     }
+    errno = 0;
     got = fread(text + used, 1, room - used, file);
     used += got;
-    if (got == 0) break;
-  }
-  if (!failed && ferror(file)) {
-    const int reason = errno;
-    free(text), fclose(file);
-    return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be read: %s", path, strerror(reason ? reason : EIO));
+    if (ferror(file)) reason = errno ? errno : EIO;
   }
   fclose(file);
-  if (failed) {
-    const int too_large = room > UINT32_MAX;
-    free(text);
-    return too_large ? conceg_ctx_fail(ctx, CONCEG_E_RANGE, "%s: expected less than 4 GiB, got more", path)
-                     : conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "%s: out of memory", path);
+  if (!reason && !got) {
+    *out = text, *length = used;
+    return CONCEG_OK;
   }
-  *out = text, *length = used;
-  return CONCEG_OK;
+  free(text);
+  if (reason) return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be read: %s", path, strerror(reason));
+  return size >= UINT32_MAX || used >= UINT32_MAX
+             ? too_large(ctx, path)
+             : conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "%s: out of memory", path);
 }
 
 conceg_status conceg_swc_read(conceg_ctx *ctx, const char *path, uint32_t flags, conceg_swc **out) {
@@ -205,10 +240,10 @@ void conceg_swc_free(conceg_swc *swc) {
     free(swc->header[i].key), free(swc->header[i].value);
   for (i = 0; i < swc->column_count; i++)
     free(swc->column[i].name), free(swc->column[i].value);
-  free(swc->name), free(swc->row), free(swc->problem), free(swc->header), free(swc->column);
-  free(swc->parent), free(swc->merged), free(swc->is_soma), free(swc->first_child), free(swc->next_sibling);
-  free(swc->sample_row), free(swc->position), free(swc->radius), free(swc->kind), free(swc->sample_parent);
-  free(swc->on_soma), free(swc->line);
+  free_rows(swc);
+  free(swc->name), free(swc->problem), free(swc->header), free(swc->column);
+  free(swc->position), free(swc->radius), free(swc->kind), free(swc->sample_parent);
+  free(swc->on_soma), free(swc->line), free(swc->cell_first), free(swc->soma);
   free(swc);
 }
 
@@ -235,9 +270,28 @@ const uint32_t *conceg_swc_line(const conceg_swc *swc) {
 }
 
 conceg_soma_form conceg_swc_soma(const conceg_swc *swc, double center[3], double *radius) {
-  if (center) memcpy(center, swc->soma_center, sizeof swc->soma_center);
-  if (radius) *radius = swc->soma_radius;
-  return swc->soma_form;
+  return conceg_swc_cell_soma(swc, 0, center, radius);
+}
+
+uint32_t conceg_swc_cell_count(const conceg_swc *swc) {
+  return swc->cell_count;
+}
+
+uint64_t conceg_swc_cell_first(const conceg_swc *swc, uint32_t cell) {
+  return cell < swc->cell_count ? swc->cell_first[cell] : swc->count;
+}
+
+conceg_soma_form conceg_swc_cell_soma(const conceg_swc *swc, uint32_t cell, double center[3],
+                                      double *radius) {
+  static const swc_sphere none = {CONCEG_SOMA_NONE, {0, 0, 0}, 0};
+  const swc_sphere *const soma = cell < swc->cell_count ? &swc->soma[cell] : &none;
+  if (center) memcpy(center, soma->center, sizeof soma->center);
+  if (radius) *radius = soma->radius;
+  return soma->form;
+}
+
+uint64_t conceg_swc_rows(const conceg_swc *swc, conceg_swc_use use) {
+  return (uint32_t)use < CONCEG_SWC_USE_COUNT ? swc->use[use] : 0;
 }
 
 int conceg_swc_problem(const conceg_swc *swc, uint32_t index, uint32_t *severity, uint32_t *line,

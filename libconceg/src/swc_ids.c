@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Which row has an id: a table when the ids are dense, else a sorted list. */
+ * Rows in the order of their ids, so that the order of lines in the file does not matter, and the row of an
+ * id.
+ */
 #include "swc_internal.h"
 
 #include <stdlib.h>
 
 typedef struct entry {
-  int64_t id, row;
+  int64_t id;
+  size_t row;
 } entry;
 
 struct swc_ids {
-  int64_t lowest, span; /* of the table */
-  int64_t *table;       /* first row with the id, SWC_NONE = none */
-  entry *sorted;
+  const swc_row *row;
   size_t count;
 };
 
@@ -21,51 +22,62 @@ static int by_id(const void *a, const void *b) {
   return p->row < q->row ? -1 : p->row > q->row;
 }
 
+static void sort_column(conceg_swc *swc, swc_column *column, const entry *order) {
+  double *sorted = swc_alloc(swc, swc->row_count, sizeof *sorted);
+  size_t i;
+  if (!sorted) return;
+  for (i = 0; i < swc->row_count; i++)
+    sorted[i] = column->value[order[i].row];
+  free(column->value);
+  column->value = sorted;
+}
+
+void swc_sort_rows(conceg_swc *swc) {
+  entry *order;
+  swc_row *sorted;
+  size_t i;
+  if (!swc->unsorted) return;
+  order = swc_alloc(swc, swc->row_count, sizeof *order);
+  sorted = swc_alloc(swc, swc->row_count, sizeof *sorted);
+  if (order && sorted) {
+    for (i = 0; i < swc->row_count; i++)
+      order[i].id = swc->row[i].id, order[i].row = i;
+    qsort(order, swc->row_count, sizeof *order, by_id);
+    for (i = 0; i < swc->row_count; i++)
+      sorted[i] = swc->row[order[i].row];
+    for (i = 0; i < swc->column_count; i++)
+      sort_column(swc, &swc->column[i], order);
+    free(swc->row);
+    swc->row = sorted, swc->row_room = swc->row_count, swc->unsorted = 0;
+    sorted = NULL;
+  }
+  free(order), free(sorted);
+}
+
 swc_ids *swc_ids_new(conceg_swc *swc) {
   swc_ids *ids = swc_alloc(swc, 1, sizeof *ids);
-  int64_t lowest = INT64_MAX, highest = INT64_MIN;
-  size_t i;
-  if (!ids) return NULL;
-  ids->count = swc->row_count;
-  for (i = 0; i < ids->count; i++) {
-    if (swc->row[i].id < lowest) lowest = swc->row[i].id;
-    if (swc->row[i].id > highest) highest = swc->row[i].id;
-  }
-  if (ids->count && lowest >= 0 && highest - lowest < (int64_t)(4 * ids->count + 1024)) {
-    ids->lowest = lowest, ids->span = highest - lowest + 1;
-    ids->table = swc_alloc(swc, (size_t)ids->span, sizeof *ids->table);
-    for (i = 0; ids->table && i < (size_t)ids->span; i++)
-      ids->table[i] = SWC_NONE;
-    for (i = ids->count; ids->table && i-- > 0;)
-      ids->table[swc->row[i].id - lowest] = (int64_t)i;
-  } else {
-    ids->sorted = swc_alloc(swc, ids->count, sizeof *ids->sorted);
-    for (i = 0; ids->sorted && i < ids->count; i++)
-      ids->sorted[i].id = swc->row[i].id, ids->sorted[i].row = (int64_t)i;
-    if (ids->sorted) qsort(ids->sorted, ids->count, sizeof *ids->sorted, by_id);
-  }
-  if (swc->out_of_memory) {
-    swc_ids_free(ids);
-    return NULL;
-  }
+  if (ids) ids->row = swc->row, ids->count = swc->row_count;
   return ids;
 }
 
 int64_t swc_ids_find(const swc_ids *ids, int64_t id) {
   size_t low = 0, high = ids->count;
-  if (ids->table)
-    return id < ids->lowest || id - ids->lowest >= ids->span ? SWC_NONE : ids->table[id - ids->lowest];
+  if (!high || id < ids->row[0].id || id > ids->row[high - 1].id) return SWC_NONE;
+  /* Without gaps and duplicates the place follows from the id. */
+  if ((uint64_t)(id - ids->row[0].id) < high) {
+    const size_t guess = (size_t)(id - ids->row[0].id);
+    if (ids->row[guess].id == id && (!guess || ids->row[guess - 1].id != id)) return (int64_t)guess;
+  }
   while (low < high) {
     const size_t middle = low + (high - low) / 2;
-    if (ids->sorted[middle].id < id)
+    if (ids->row[middle].id < id)
       low = middle + 1;
     else
       high = middle;
   }
-  return low < ids->count && ids->sorted[low].id == id ? ids->sorted[low].row : SWC_NONE;
+  return low < ids->count && ids->row[low].id == id ? (int64_t)low : SWC_NONE;
 }
 
 void swc_ids_free(swc_ids *ids) {
-  if (!ids) return;
-  free(ids->table), free(ids->sorted), free(ids);
+  free(ids);
 }

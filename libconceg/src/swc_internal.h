@@ -41,6 +41,7 @@ typedef enum swc_note {
   SWC_NOTE_DELIMITER,
   SWC_NOTE_TRAILING,
   SWC_NOTE_COLUMNS,
+  SWC_NOTE_COLUMN_TEXT,
   SWC_NOTE_FLOAT_ID,
   SWC_NOTE_ENCODING,
   SWC_NOTE_TYPE,
@@ -50,14 +51,21 @@ typedef enum swc_note {
   SWC_NOTE_COUNT
 } swc_note;
 
+/* A soma as a sphere. */
+typedef struct swc_sphere {
+  conceg_soma_form form;
+  double center[3], radius;
+} swc_sphere;
+
 struct conceg_swc {
   conceg_ctx *ctx;
   char *name;
   uint32_t flags;
   int out_of_memory;
 
-  swc_row *row;
+  swc_row *row; /* by id once the text is read; freed when the samples are made */
   size_t row_count, row_room;
+  int unsorted; /* 1 = the ids of the file do not ascend */
   swc_problem *problem;
   size_t problem_count, problem_room, error_count;
   uint32_t note_line[SWC_NOTE_COUNT];
@@ -67,11 +75,14 @@ struct conceg_swc {
   swc_column *column;
   size_t column_count, column_room;
 
-  /* By row, made by swc_build_tree. */
+  /* By row, made by swc_build_tree and freed at its end. */
   int64_t *parent;  /* row index, SWC_NONE = root */
-  uint8_t *merged;  /* 1 = an identical copy of an earlier row, left out */
-  uint8_t *is_soma; /* 1 = part of the soma */
+  uint8_t *merged;  /* 1 = left out: an identical copy of an earlier row, or of a floating tree */
+  uint8_t *is_soma; /* 1 = part of a soma */
   int64_t *first_child, *next_sibling;
+  uint32_t *row_cell;   /* of soma rows; NULL while there is one cell */
+  int64_t *soma_row;    /* rows of all somas, each in preorder */
+  uint64_t *soma_first; /* [soma_count + 1] in soma_row */
 
   /* Neurite samples in preorder. */
   uint64_t count;
@@ -82,8 +93,11 @@ struct conceg_swc {
   uint8_t *on_soma;
   uint32_t *line;
 
-  conceg_soma_form soma_form;
-  double soma_center[3], soma_radius;
+  /* Cells: one, but for CONCEG_SWC_SPLIT. */
+  uint32_t cell_count, soma_count; /* cells without a soma come last: soma_count <= cell_count */
+  uint64_t *cell_first;            /* [cell_count + 1], samples */
+  swc_sphere *soma;                /* [cell_count] */
+  uint64_t use[CONCEG_SWC_USE_COUNT];
 };
 
 /* Footer rows ("# @n ...") wait here until the ids of the rows are known. */
@@ -129,14 +143,21 @@ void swc_read_comment(conceg_swc *swc, swc_footer *footer, const char *text, con
 void swc_apply_footer(conceg_swc *swc, swc_footer *footer);
 void swc_free_footer(swc_footer *footer);
 double *swc_add_column(conceg_swc *swc, const char *name, size_t length);
-/* swc_link.c: parents, cycles, duplicates. swc_tree.c: kinds, preorder. swc_ids.c: which row has an id. */
-int swc_link_rows(conceg_swc *swc);
-void swc_build_tree(conceg_swc *swc);
+/* swc_ids.c: rows by id, and which row has an id (the first one of several). */
+void swc_sort_rows(conceg_swc *swc);
 typedef struct swc_ids swc_ids;
 swc_ids *swc_ids_new(conceg_swc *swc);
 int64_t swc_ids_find(const swc_ids *ids, int64_t id);
 void swc_ids_free(swc_ids *ids);
-/* swc_soma.c: the soma as a sphere. */
-void swc_find_soma(conceg_swc *swc);
+/* swc_link.c: parents, cycles, duplicates, which somas there are. Returns 0 after an error. */
+int swc_link_rows(conceg_swc *swc);
+/* swc_tree.c: somas and neurites told apart, kinds, preorder. */
+void swc_build_tree(conceg_swc *swc);
+void swc_link_children(conceg_swc *swc);
+/* swc_floating.c: trees beside the soma are reported, and left out or joined to it as the flags say.
+ * `scratch` has a place for every row. */
+void swc_settle_floating(conceg_swc *swc, int64_t *scratch);
+/* swc_soma.c: each soma as a sphere. */
+void swc_find_somas(conceg_swc *swc);
 
 #endif

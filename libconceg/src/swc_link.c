@@ -12,12 +12,13 @@ static int same_row(const swc_row *a, const swc_row *b) {
 }
 
 static void find_parents(conceg_swc *swc, const swc_ids *ids) {
-  size_t i;
+  size_t i, first = 0;
   for (i = 0; i < swc->row_count; i++) {
     const swc_row *const row = &swc->row[i];
-    const int64_t first = swc_ids_find(ids, row->id);
+    /* Rows are in the order of their ids: those of one id are neighbours. */
+    if (i && row->id != row[-1].id) first = i;
     swc->parent[i] = SWC_NONE;
-    if (first != (int64_t)i) {
+    if (first != i) {
       swc->merged[i] = 1;
       if (same_row(row, &swc->row[first]))
         swc_warn(swc, row->line, "W_DUP", "the same sample as in line %u; left out", swc->row[first].line);
@@ -28,7 +29,9 @@ static void find_parents(conceg_swc *swc, const swc_ids *ids) {
       continue;
     }
     if (row->parent_id < 0) continue;
-    swc->parent[i] = swc_ids_find(ids, row->parent_id);
+    swc->parent[i] = i && row->parent_id == row[-1].id && !swc->merged[i - 1]
+                         ? (int64_t)i - 1
+                         : swc_ids_find(ids, row->parent_id);
     if (swc->parent[i] >= 0) continue;
     if (row->parent_id == 0)
       swc_warn_strict(swc, row->line, "W_ROOT0",
@@ -56,8 +59,12 @@ static void report_cycle(conceg_swc *swc, int64_t start) {
 
 /* Walks up from every row; meeting a row of the same walk closes a cycle. */
 static void find_cycles(conceg_swc *swc) {
-  int64_t *walk = swc_alloc(swc, swc->row_count, sizeof *walk);
-  size_t i;
+  int64_t *walk;
+  size_t i = 0;
+  while (i < swc->row_count && swc->parent[i] < (int64_t)i)
+    i++;
+  if (i == swc->row_count) return; /* parents stand first: no cycle can be */
+  walk = swc_alloc(swc, swc->row_count, sizeof *walk);
   if (!walk) return;
   for (i = 0; i < swc->row_count; i++) {
     const int64_t mark = (int64_t)i + 1;
@@ -69,20 +76,25 @@ static void find_cycles(conceg_swc *swc) {
   free(walk);
 }
 
-/* Several soma roots: copies of the first one are merged with it, others belong to other cells. */
-static int64_t merge_somas(conceg_swc *swc) {
+/* Several soma roots: copies of the first one are merged with it, others belong to other cells. Returns how
+ * many cells have a soma root. */
+static uint32_t merge_somas(conceg_swc *swc) {
   int64_t first = SWC_NONE;
+  uint32_t somata = 0;
   size_t i;
   int copies = 0;
   for (i = 0; i < swc->row_count; i++) {
     const swc_row *const row = &swc->row[i];
     if (swc->merged[i] || swc->parent[i] >= 0 || row->kind != CONCEG_SWC_SOMA) continue;
-    if (first < 0)
-      first = (int64_t)i;
-    else if (same_row(&swc->row[first], row)) {
+    if (first < 0) {
+      first = (int64_t)i, somata = 1;
+    } else if (same_row(&swc->row[first], row)) {
       swc->merged[i] = 1, copies = 1;
       swc_warn(swc, row->line, "W_SOMA_DUP", "the same soma as in line %u; merged with it",
                swc->row[first].line);
+    } else if (swc->flags & CONCEG_SWC_SPLIT) {
+      swc_warn(swc, row->line, "W_SOMATA", "another soma (the first is in line %u); read as cell %u",
+               swc->row[first].line, ++somata);
     } else
       swc_error(swc, row->line, "E_SOMATA",
                 "a second soma (the first is in line %u); split the file into one per cell",
@@ -90,16 +102,16 @@ static int64_t merge_somas(conceg_swc *swc) {
   }
   for (i = 0; i < swc->row_count && copies; i++)
     if (swc->parent[i] >= 0 && swc->merged[swc->parent[i]]) swc->parent[i] = first;
-  return first;
+  return somata;
 }
 
-/* A soma in the middle of a tree: the links from it up to the root are turned round. */
-static void root_at_soma(conceg_swc *swc) {
+/* A soma in the middle of a tree: the links from it up to the root are turned round. Returns how many. */
+static uint32_t root_at_soma(conceg_swc *swc) {
   int64_t row = 0, previous = SWC_NONE;
   const int64_t rows = (int64_t)swc->row_count;
   while (row < rows && (swc->merged[row] || swc->row[row].kind != CONCEG_SWC_SOMA))
     row++;
-  if (row == rows) return;
+  if (row == rows) return 0;
   swc_warn_strict(swc, swc->row[row].line, "W_SOMA_PARENT",
                   "the soma is not the root of its tree; the links up to the root are turned round");
   while (row >= 0) {
@@ -107,6 +119,7 @@ static void root_at_soma(conceg_swc *swc) {
     swc->parent[row] = previous;
     previous = row, row = next;
   }
+  return 1;
 }
 
 int swc_link_rows(conceg_swc *swc) {
@@ -118,6 +131,7 @@ int swc_link_rows(conceg_swc *swc) {
   if (swc->out_of_memory || swc->error_count) return 0;
   find_cycles(swc);
   if (swc->out_of_memory || swc->error_count) return 0;
-  if (merge_somas(swc) < 0) root_at_soma(swc);
+  swc->soma_count = merge_somas(swc);
+  if (!swc->soma_count) swc->soma_count = root_at_soma(swc);
   return !swc->out_of_memory && !swc->error_count;
 }

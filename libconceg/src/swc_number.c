@@ -10,8 +10,30 @@
 
 #define LONGEST_NUMBER 255
 
+__extension__ typedef unsigned __int128 wide;
+
 static const double power_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                       1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+static const uint64_t whole_power_of_ten[] = {1ull,
+                                              10ull,
+                                              100ull,
+                                              1000ull,
+                                              10000ull,
+                                              100000ull,
+                                              1000000ull,
+                                              10000000ull,
+                                              100000000ull,
+                                              1000000000ull,
+                                              10000000000ull,
+                                              100000000000ull,
+                                              1000000000000ull,
+                                              10000000000000ull,
+                                              100000000000000ull,
+                                              1000000000000000ull,
+                                              10000000000000000ull,
+                                              100000000000000000ull,
+                                              1000000000000000000ull,
+                                              10000000000000000000ull};
 
 /* The C library's conversion in the C locale, for what the exact fast path cannot do. */
 static const char *read_slowly(const char *text, const char *last, double *out) {
@@ -57,8 +79,8 @@ static const char *read_hex(const char *text, const char *p, const char *end, in
     }
     if (digit < 0) break;
     if (mantissa >> 49) exact = 0;
-    mantissa = mantissa * 16 + (unsigned)digit, digits++;
-    if (point) scale -= 4;
+    mantissa = mantissa * 16 + (unsigned)digit, digits = 1;
+    if (point && scale > -4000000) scale -= 4; /* far beyond what an exponent can make up for */
   }
   if (!digits) return NULL;
   if (p < end && (*p == 'p' || *p == 'P')) {
@@ -72,53 +94,90 @@ static const char *read_hex(const char *text, const char *p, const char *end, in
   return p;
 }
 
+/* m * 2^shift for any m: rounds to nearest, ties to even; `more` = the true value is a little above m. */
+static double round_wide(wide m, int more, int shift) {
+  const uint64_t high = (uint64_t)(m >> 64), low = (uint64_t)m;
+  const int bits = high ? 128 - __builtin_clzll(high) : 64 - __builtin_clzll(low), drop = bits - 53;
+  uint64_t kept;
+  if (drop <= 0) return ldexp((double)low, shift);
+  kept = (uint64_t)(m >> drop);
+  if (m >> (drop - 1) & 1) {
+    const wide below = m & (((wide)1 << (drop - 1)) - 1);
+    if (below || more || (kept & 1)) kept++;
+  }
+  return ldexp((double)kept, shift + drop);
+}
+
+/* digits * 10^exponent by whole numbers of 128 bits: exact for up to 19 digits and |exponent| <= 19. */
+static double scale_exactly(uint64_t digits, int exponent) {
+  const uint64_t power = whole_power_of_ten[exponent < 0 ? -exponent : exponent];
+  int shift;
+  wide numerator;
+  if (exponent >= 0) return round_wide((wide)digits * power, 0, 0);
+  shift = __builtin_clzll(digits) + 64;
+  numerator = (wide)digits << shift;
+  return round_wide(numerator / power, numerator % power != 0, -shift);
+}
+
 const char *swc_read_double(const char *text, const char *end, double *out) {
-  const char *p = text;
+  const char *p = text, *start, *first, *point = NULL;
   uint64_t mantissa = 0;
-  int digits = 0, significant = 0, exponent = 0, scale = 0, negative = 0;
+  ptrdiff_t significant;
+  int64_t scale = 0;
+  int exponent = 0, negative = 0;
   if (p < end && (*p == '+' || *p == '-')) negative = *p++ == '-';
   if (end - p > 2 && p[0] == '0' && (p[1] == 'x' || p[1] == 'X'))
     return read_hex(text, p + 2, end, negative, out);
-  for (; p < end && *p >= '0' && *p <= '9'; p++, digits++) {
-    if (significant < 19) mantissa = mantissa * 10 + (unsigned)(*p - '0');
-    if (mantissa) significant++;
+  /* All digits as one whole number; it overflows harmlessly when there are more than 19. */
+  for (start = p; p < end && (unsigned)(*p - '0') < 10; p++)
+    mantissa = mantissa * 10 + (unsigned)(*p - '0');
+  significant = p - start;
+  if (p < end && *p == '.') {
+    for (point = ++p; p < end && (unsigned)(*p - '0') < 10; p++)
+      mantissa = mantissa * 10 + (unsigned)(*p - '0');
+    scale = point - p;
+    significant += p - point;
   }
-  if (p < end && *p == '.')
-    for (p++; p < end && *p >= '0' && *p <= '9'; p++, digits++) {
-      if (significant < 19) mantissa = mantissa * 10 + (unsigned)(*p - '0'), scale--;
-      if (mantissa) significant++;
-    }
-  if (!digits) return NULL;
+  if (!significant) return NULL;
+  if (significant > 19) {
+    for (first = start; first < p && (*first == '0' || *first == '.'); first++)
+      significant -= *first == '0';
+  }
   if (p < end && (*p == 'e' || *p == 'E')) {
     p = read_exponent(p + 1, end, &exponent);
     if (!p) return NULL;
   }
-  exponent += scale;
-  /* Exact when both the digits and the power of ten are exact doubles (Clinger 1990). */
-  if (significant > 19 || mantissa > (1ull << 53) || exponent < -22 || exponent > 22)
-    return mantissa ? read_slowly(text, p, out) : (*out = negative ? -0.0 : 0.0, p);
-  *out =
-      exponent < 0 ? (double)mantissa / power_of_ten[-exponent] : (double)mantissa * power_of_ten[exponent];
+  scale += exponent;
+  if (significant > 19 || (mantissa && (scale < -22 || scale > 22))) return read_slowly(text, p, out);
+  /* One rounding when both the digits and the power of ten are exact doubles (Clinger 1990). */
+  if (!mantissa)
+    *out = 0.0;
+  else if (mantissa <= 1ull << 53)
+    *out = scale < 0 ? (double)mantissa / power_of_ten[-scale] : (double)mantissa * power_of_ten[scale];
+  else if (scale >= -19 && scale <= 19)
+    *out = scale_exactly(mantissa, (int)scale);
+  else
+    return read_slowly(text, p, out);
   if (negative) *out = -*out;
   return p;
 }
 
 const char *swc_read_integer(const char *text, const char *end, int64_t *out) {
-  const char *p = text;
+  const char *p = text, *start;
   uint64_t value = 0;
-  int negative = 0, digits = 0;
+  int negative = 0;
   if (p < end && (*p == '+' || *p == '-')) negative = *p++ == '-';
-  for (; p < end && *p >= '0' && *p <= '9'; p++, digits++) {
-    if (value > (uint64_t)(INT64_MAX - 9) / 10) return NULL;
-    value = value * 10 + (unsigned)(*p - '0');
+  for (start = p; p < end && (unsigned)(*p - '0') < 10; p++) {
+    const unsigned digit = (unsigned)(*p - '0');
+    if (value > ((uint64_t)INT64_MAX - digit) / 10) return NULL;
+    value = value * 10 + digit;
   }
-  if (!digits) return NULL;
+  if (p == start) return NULL;
   *out = negative ? -(int64_t)value : (int64_t)value;
   return p;
 }
 
 size_t swc_write_fixed6(char *out, double value) {
-  __extension__ typedef unsigned __int128 wide;
   const double size = fabs(value);
   uint64_t whole = (uint64_t)size;
   const uint64_t fraction = (uint64_t)ldexp(size - (double)whole, 64 - 1); /* in units of 2^-63 */

@@ -112,6 +112,8 @@ static void keep_extras(conceg_swc *swc, const fields *f, uint32_t line) {
     }
     if (swc_read_double(f->field[i].text, f->field[i].end, &value) == f->field[i].end)
       swc->column[index].value[swc->row_count - 1] = value;
+    else
+      swc_remark(swc, SWC_NOTE_COLUMN_TEXT, line);
   }
 }
 
@@ -127,6 +129,7 @@ static int add_row(conceg_swc *swc, const swc_row *row) {
     for (i = room; i < swc->row_room; i++)
       swc->column[c].value[i] = NAN;
   }
+  swc->unsorted |= swc->row_count && swc->row[swc->row_count - 1].id > row->id;
   swc->row[swc->row_count++] = *row;
   return 1;
 }
@@ -144,7 +147,9 @@ static void check_row(conceg_swc *swc, swc_row *row, int64_t kind, uint32_t line
     swc_error(swc, line, "E_CYCLE", "sample %lld is its own parent; a root has parent -1",
               (long long)row->id);
   if (kind < 0 || kind >= 20) swc_remark(swc, SWC_NOTE_TYPE, line);
-  row->kind = kind < 0 ? 0 : kind > INT32_MAX ? INT32_MAX : (int32_t)kind;
+  if (kind > INT32_MAX)
+    swc_error(swc, line, "E_ID", "type: expected at most 2147483647, got %lld", (long long)kind);
+  row->kind = kind < 0 ? 0 : (int32_t)(kind & INT32_MAX);
   if (row->radius <= 0.0) swc_remark(swc, SWC_NOTE_RADIUS, line);
 }
 
@@ -182,57 +187,56 @@ static void read_row(conceg_swc *swc, const char *text, const char *end, uint32_
     swc_warn(swc, line, "W_COLUMNS", "more than %d columns; those after are left out", MOST_COLUMNS);
 }
 
-/* The common row: seven fields apart by blanks, nothing else. Returns 0 when the careful way must look at it.
- */
-static int read_plain_row(conceg_swc *swc, const char *p, const char *end, uint32_t line) {
+static const char *skip_blanks(const char *p, const char *end) {
+  while (p < end && is_blank(*p))
+    p++;
+  return p;
+}
+
+/* One field of the common row and the blanks after it; NULL when the careful way must look at it. */
+static const char *plain_integer(const char *p, const char *end, int64_t *out) {
+  const char *const next = swc_read_integer(p, end, out);
+  return next && next < end && is_blank(*next) ? skip_blanks(next + 1, end) : NULL;
+}
+static const char *plain_double(const char *p, const char *end, double *out) {
+  const char *const next = swc_read_double(p, end, out);
+  return next && next < end && is_blank(*next) ? skip_blanks(next + 1, end) : NULL;
+}
+
+/* The common row, read without a look for the end of its line: seven fields apart by blanks and LF or CR LF.
+ * Returns the start of the next line, or NULL when the careful way must look at it. */
+static const char *read_plain_row(conceg_swc *swc, const char *p, const char *end, uint32_t line) {
   swc_row row;
   int64_t kind = 0;
-  int column;
   row.line = line;
-  for (column = 0; column < COLUMNS; column++) {
-    const char *next;
-    switch (column) {
-    case 0:
-      next = swc_read_integer(p, end, &row.id);
-      break;
-    case 1:
-      next = swc_read_integer(p, end, &kind);
-      break;
-    case 5:
-      next = swc_read_double(p, end, &row.radius);
-      break;
-    case 6:
-      next = swc_read_integer(p, end, &row.parent_id);
-      break;
-    default:
-      next = swc_read_double(p, end, &row.position[column - 2]);
-      break;
-    }
-    if (!next || (next < end && !is_blank(*next))) return 0;
-    for (p = next; p < end && is_blank(*p);)
-      p++;
-    if (p == end && column < COLUMNS - 1) return 0;
-  }
-  if (p != end || !isfinite(row.position[0] + row.position[1] + row.position[2] + row.radius)) return 0;
+  if (!(p = plain_integer(p, end, &row.id)) || !(p = plain_integer(p, end, &kind)) ||
+      !(p = plain_double(p, end, &row.position[0])) || !(p = plain_double(p, end, &row.position[1])) ||
+      !(p = plain_double(p, end, &row.position[2])) || !(p = plain_double(p, end, &row.radius)) ||
+      !(p = swc_read_integer(p, end, &row.parent_id)))
+    return NULL;
+  p = skip_blanks(p, end);
+  if (p < end && *p == '\r') p++;
+  if (p == end || *p != '\n' || !isfinite(row.position[0] + row.position[1] + row.position[2] + row.radius))
+    return NULL;
   check_row(swc, &row, kind, line);
-  return add_row(swc, &row);
+  add_row(swc, &row);
+  return p + 1;
+}
+
+static int starts_row(char c) {
+  return is_digit(c) || c == '-' || c == '+' || c == '.' || c == ',';
 }
 
 static void read_line(conceg_swc *swc, swc_footer *footer, const char *text, const char *end, uint32_t line) {
-  while (text < end && is_blank(*text))
-    text++;
+  text = skip_blanks(text, end);
   while (text < end && is_blank(end[-1]))
     end--;
   if (text == end) return;
-  if (*text == '#') {
+  if (*text == '#')
     swc_read_comment(swc, footer, text + 1, end, line);
-    return;
-  }
-  if (is_digit(*text) || *text == '-' || *text == '+' || *text == '.' || *text == ',') {
-    if (!read_plain_row(swc, text, end, line) && !swc->out_of_memory) read_row(swc, text, end, line);
-    return;
-  }
-  if (swc->row_count)
+  else if (starts_row(*text))
+    read_row(swc, text, end, line);
+  else if (swc->row_count)
     swc_error(swc, line, "E_PROSE", "expected a row of numbers, got text; start comments with #");
   else
     swc_warn_strict(swc, line, "W_PROSE",
@@ -242,17 +246,23 @@ static void read_line(conceg_swc *swc, swc_footer *footer, const char *text, con
 static void read_lines(conceg_swc *swc, swc_footer *footer, const char *p, const char *end) {
   uint32_t line = 0;
   while (p < end && !swc->out_of_memory) {
-    const char *stop = p;
-    while (stop < end && *stop != '\n' && *stop != '\r')
-      stop++;
-    read_line(swc, footer, p, stop, ++line);
-    if (stop < end && *stop == '\r') {
-      if (stop + 1 < end && stop[1] == '\n')
+    const char *const text = skip_blanks(p, end), *stop = NULL;
+    line++;
+    if (text < end && starts_row(*text)) stop = read_plain_row(swc, text, end, line);
+    if (stop) {
+      p = stop;
+    } else {
+      for (stop = p; stop < end && *stop != '\n' && *stop != '\r';)
         stop++;
-      else
-        swc_remark(swc, SWC_NOTE_EOL, line);
+      read_line(swc, footer, p, stop, line);
+      if (stop < end && *stop == '\r') {
+        if (stop + 1 < end && stop[1] == '\n')
+          stop++;
+        else
+          swc_remark(swc, SWC_NOTE_EOL, line);
+      }
+      p = stop < end ? stop + 1 : end;
     }
-    p = stop < end ? stop + 1 : end;
     if (swc->error_count >= MOST_LINE_ERRORS) {
       swc_error(swc, line, "E_STOP", "reading stopped after %d errors", MOST_LINE_ERRORS);
       return;
@@ -275,6 +285,7 @@ void swc_parse_text(conceg_swc *swc, const char *text, size_t length) {
   if (length) read_lines(swc, &footer, text + start, text + length);
   if (!swc->row_count && !swc->error_count)
     swc_error(swc, 0, "E_EMPTY", "the file has no samples (rows of 7 numbers)");
-  if (!swc->error_count) swc_apply_footer(swc, &footer);
+  if (!swc->error_count) swc_sort_rows(swc);
+  if (!swc->error_count && !swc->out_of_memory) swc_apply_footer(swc, &footer);
   swc_free_footer(&footer);
 }

@@ -117,14 +117,14 @@ static conceg_swc *parse(const char *text) {
   return swc;
 }
 
-/* Preorder with children in file order, links, and flags; rows shuffled on purpose. */
+/* Preorder with children in the order of their ids, links, and flags; rows shuffled on purpose. */
 static void check_tree(void) {
   conceg_swc *swc = parse("7 3 9 0 0 .4 4\n1 1 0 0 0 5 -1\n3 2 0 6 0 .5 1\n4 3 7 0 0 .6 2\n2 3 6 0 0 1 1\n5 "
                           "3 8 1 0 .5 4\n9 2 90 0 0 .1 -1\n8 2 91 0 0 .1 9\n");
-  static const double x[] = {0, 6, 7, 9, 8, 90, 91};
-  static const int64_t parent[] = {-1, -1, 1, 2, 2, -1, 5};
-  static const int on_soma[] = {1, 1, 0, 0, 0, 0, 0}, kind[] = {2, 3, 3, 3, 3, 2, 2},
-                   line[] = {3, 5, 4, 1, 6, 7, 8};
+  static const double x[] = {6, 7, 8, 9, 0, 90, 91};
+  static const int64_t parent[] = {-1, 0, 1, 1, -1, -1, 5};
+  static const int on_soma[] = {1, 0, 0, 0, 1, 0, 0}, kind[] = {3, 3, 3, 3, 2, 2, 2},
+                   line[] = {5, 4, 6, 1, 3, 7, 8};
   uint64_t i;
   CHECK_EQUAL(conceg_swc_count(swc), 7);
   for (i = 0; i < conceg_swc_count(swc); i++) {

@@ -8,7 +8,13 @@
 
 CONCEG_BEGIN_C
 
+/* Flags of reading; others are an error (E_PARAM). */
 #define CONCEG_SWC_STRICT 1u /* warnings that spec/swc-plus.md marks S become errors */
+#define CONCEG_SWC_SPLIT 2u  /* several somata are several cells (W_SOMATA) instead of an error (E_SOMATA) */
+/* Trees that are not joined to the soma of a file that has one: left out, or joined to the nearest sample or
+ * soma. Without either they are kept as trees of their own. */
+#define CONCEG_SWC_DROP_FLOATING 4u
+#define CONCEG_SWC_ATTACH_FLOATING 8u
 
 /* SWC structure codes that ConCeG gives a meaning to. */
 #define CONCEG_SWC_UNDEFINED 0
@@ -22,15 +28,18 @@ typedef struct conceg_swc conceg_swc;
 
 /* Reads a file or text. All problems are collected first, then decided: E_FORMAT when one is an error (the
  * context's error names the first: file:line: code: text), and *out is still set so that the problems can be
- * listed; free it always. */
+ * listed; free it always. Other errors leave *out NULL: E_IO, E_NOMEM, E_RANGE (4 GiB and more), E_PARAM.
+ * Memory: at most 64 bytes per byte of text and 1 MiB, while it reads, for files of seven columns; about 8
+ * bytes per byte for usual ones. Each further column of a row or of the footer takes 8 bytes more per row.
+ * Objects of one context belong to one thread at a time. */
 CONCEG_API conceg_status conceg_swc_read(conceg_ctx *ctx, const char *path, uint32_t flags,
                                          conceg_swc **out) CONCEG_NODISCARD;
 CONCEG_API conceg_status conceg_swc_parse(conceg_ctx *ctx, const char *text, size_t length, const char *name,
                                           uint32_t flags, conceg_swc **out) CONCEG_NODISCARD;
 CONCEG_API void conceg_swc_free(conceg_swc *swc);
 
-/* Neurite samples, soma samples left out, in preorder (parent < child; children in file order). Borrowed
- * views. */
+/* Neurite samples, soma samples left out, in preorder (parent < child; children and trees in the order of
+ * their ids). Borrowed views, until the object is freed. */
 CONCEG_API uint64_t conceg_swc_count(const conceg_swc *swc);
 CONCEG_API const double *conceg_swc_position(const conceg_swc *swc); /* [count][3], um */
 CONCEG_API const double *conceg_swc_radius(const conceg_swc *swc);   /* [count], um, as written */
@@ -52,6 +61,26 @@ typedef enum conceg_soma_form {
 } conceg_soma_form;
 /* The soma as a sphere: form, centre (um) and radius (um; 0 when there is none). */
 CONCEG_API conceg_soma_form conceg_swc_soma(const conceg_swc *swc, double center[3], double *radius);
+
+/* Cells: 1, or with CONCEG_SWC_SPLIT one per soma, and a last one without soma for floating trees that are
+ * kept; 0 after an error. Cell k has the samples from conceg_swc_cell_first(k) to conceg_swc_cell_first(k +
+ * 1), and a soma as above. */
+CONCEG_API uint32_t conceg_swc_cell_count(const conceg_swc *swc);
+CONCEG_API uint64_t conceg_swc_cell_first(const conceg_swc *swc, uint32_t cell);
+CONCEG_API conceg_soma_form conceg_swc_cell_soma(const conceg_swc *swc, uint32_t cell, double center[3],
+                                                 double *radius);
+
+/* What became of the rows of the file: ALL = SAMPLES + SOMA + COPIES + DROPPED unless there was an error. */
+typedef enum conceg_swc_use {
+  CONCEG_SWC_USE_ALL = 0,
+  CONCEG_SWC_USE_SAMPLES = 1, /* samples of neurites */
+  CONCEG_SWC_USE_SOMA = 2,
+  CONCEG_SWC_USE_COPIES = 3,  /* W_DUP, W_SOMA_DUP */
+  CONCEG_SWC_USE_DROPPED = 4, /* by CONCEG_SWC_DROP_FLOATING */
+  CONCEG_SWC_USE_COUNT = 5,
+  CONCEG_SWC_USE_MAXIMUM = 0x7fffffff
+} conceg_swc_use;
+CONCEG_API uint64_t conceg_swc_rows(const conceg_swc *swc, conceg_swc_use use);
 
 /* Problems in line order: severity (0 error, 1 warning), line (0 = whole file), code such as "W_ORPHAN",
  * text. 0 past the end. */
