@@ -25,6 +25,7 @@ static const struct word tools[] = {
     {"clean", "remove unfinished files that killed runs have left", tool_clean},
     {"stages", "which stages there are and which file answers", tool_stages},
     {"params", "the parameters of a stage", tool_params},
+    {"swc", "check and repair SWC files", tool_swc},
     {NULL, NULL, NULL}};
 
 static void print_help(void) {

@@ -86,6 +86,7 @@ static void report_remarks(conceg_swc *swc) {
     int strict;
   } remark[SWC_NOTE_COUNT] = {
       {"W_EOL", "line ends are a bare CR; read as line ends", 0},
+      {"W_PROSE", "text before the first row does not start with #; read as a comment", 1},
       {"W_DELIM", "columns are separated by commas; write single spaces", 1},
       {"W_TRAILING", "text after the columns starts with #; it is left out", 0},
       {"W_COLUMNS", "more than 7 columns; the extra ones are kept as column8, column9, ...", 0},
@@ -319,4 +320,15 @@ const double *conceg_swc_column(const conceg_swc *swc, const char *name) {
     for (i = 0; i < swc->column_count; i++)
       if (!strcmp(swc->column[i].name, name)) return swc->column[i].value;
   return NULL;
+}
+
+int conceg_swc_header_at(const conceg_swc *swc, uint32_t index, const char **key, const char **value) {
+  if (index >= swc->header_count) return 0;
+  if (key) *key = swc->header[index].key;
+  if (value) *value = swc->header[index].value;
+  return 1;
+}
+
+const char *conceg_swc_column_at(const conceg_swc *swc, uint32_t index) {
+  return index < swc->column_count ? swc->column[index].name : NULL;
 }

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define MOST_DISTANCES 4000000000.0 /* some seconds of work */
+#define MOST_DISTANCES 1e9 /* a few seconds of work */
 
 typedef struct floating {
   int64_t root;

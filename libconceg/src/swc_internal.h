@@ -38,6 +38,7 @@ typedef struct swc_header {
 /* Row properties that are reported once per file: first line, how many. */
 typedef enum swc_note {
   SWC_NOTE_EOL,
+  SWC_NOTE_PROSE,
   SWC_NOTE_DELIMITER,
   SWC_NOTE_TRAILING,
   SWC_NOTE_COLUMNS,

@@ -166,6 +166,12 @@ static void read_row(conceg_swc *swc, const char *text, const char *end, uint32_
               "write 7 columns with single spaces and decimal points");
     return;
   }
+  if (f.commas && f.count > COLUMNS) {
+    swc_error(swc, line, "E_DELIM",
+              "more than 7 columns apart by commas: a comma may be a decimal point; "
+              "write columns with single spaces and decimal points");
+    return;
+  }
   if (f.count < COLUMNS) {
     swc_error(swc, line, "E_COLUMNS", "expected 7 columns (id type x y z radius parent), got %d", f.count);
     return;
@@ -238,9 +244,10 @@ static void read_line(conceg_swc *swc, swc_footer *footer, const char *text, con
     read_row(swc, text, end, line);
   else if (swc->row_count)
     swc_error(swc, line, "E_PROSE", "expected a row of numbers, got text; start comments with #");
-  else
-    swc_warn_strict(swc, line, "W_PROSE",
-                    "text before the first row does not start with #; read as a comment");
+  else {
+    swc_remark(swc, SWC_NOTE_PROSE, line);
+    if (*text != '@') swc_read_comment(swc, footer, text, end, line);
+  }
 }
 
 static void read_lines(conceg_swc *swc, swc_footer *footer, const char *p, const char *end) {

@@ -28,10 +28,10 @@ typedef struct conceg_swc conceg_swc;
 
 /* Reads a file or text. All problems are collected first, then decided: E_FORMAT when one is an error (the
  * context's error names the first: file:line: code: text), and *out is still set so that the problems can be
- * listed; free it always. Other errors leave *out NULL: E_IO, E_NOMEM, E_RANGE (4 GiB and more), E_PARAM.
- * Memory: at most 64 bytes per byte of text and 1 MiB, while it reads, for files of seven columns; about 8
- * bytes per byte for usual ones. Each further column of a row or of the footer takes 8 bytes more per row.
- * Objects of one context belong to one thread at a time. */
+ * listed. Other errors: E_IO, E_NOMEM, E_RANGE (4 GiB and more), E_PARAM (flags). *out is NULL or set, with
+ * any status: free it always. Memory: at most 64 bytes per byte of text and 1 MiB, while it reads, for files
+ * of seven columns; about 8 bytes per byte for usual ones. Each further column of a row or of the footer
+ * takes 8 bytes more per row. Objects of one context belong to one thread at a time. */
 CONCEG_API conceg_status conceg_swc_read(conceg_ctx *ctx, const char *path, uint32_t flags,
                                          conceg_swc **out) CONCEG_NODISCARD;
 CONCEG_API conceg_status conceg_swc_parse(conceg_ctx *ctx, const char *text, size_t length, const char *name,
@@ -92,6 +92,10 @@ CONCEG_API int conceg_swc_problem(const conceg_swc *swc, uint32_t index, uint32_
  * name. */
 CONCEG_API const char *conceg_swc_header(const conceg_swc *swc, const char *key);
 CONCEG_API const double *conceg_swc_column(const conceg_swc *swc, const char *name);
+/* All of them, by number in the order of the file; 0 and NULL past the end. Borrowed. */
+CONCEG_API int conceg_swc_header_at(const conceg_swc *swc, uint32_t index, const char **key,
+                                    const char **value);
+CONCEG_API const char *conceg_swc_column_at(const conceg_swc *swc, uint32_t index);
 
 /* A parent that makes a sample a root of its own although the cell has a soma (pieces cut at the sides of a
  * box). */
