@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * SWC reader: memory, problems, reading a file, and the accessors. */
-#define _GNU_SOURCE
+ * SWC reader: memory, problems, the two ways to read, and the accessors. */
 #include "swc_internal.h"
 
-#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 void *swc_alloc(conceg_swc *swc, size_t count, size_t size) {
   void *memory = swc->out_of_memory ? NULL : calloc(count ? count : 1, size);
@@ -151,21 +148,24 @@ static conceg_status check_flags(conceg_ctx *ctx, uint32_t flags) {
   return CONCEG_OK;
 }
 
-conceg_status conceg_swc_parse(conceg_ctx *ctx, const char *text, size_t length, const char *name,
-                               uint32_t flags, conceg_swc **out) {
+static conceg_status begin(conceg_ctx *ctx, const char *name, uint32_t flags, swc_parser *parser) {
+  const conceg_status status = check_flags(ctx, flags);
   conceg_swc *swc;
-  conceg_status status;
-  *out = NULL;
-  status = check_flags(ctx, flags);
+  memset(parser, 0, sizeof *parser);
   if (status != CONCEG_OK) return status;
-  if (length >= UINT32_MAX)
-    return conceg_ctx_fail(ctx, CONCEG_E_RANGE, "%s: expected less than 4 GiB, got %zu bytes", name, length);
   swc = calloc(1, sizeof *swc);
   if (!swc) return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "%s: out of memory", name);
   swc->ctx = ctx, swc->flags = flags;
   swc->name = swc_copy(swc, name, strlen(name));
+  parser->swc = swc;
+  return CONCEG_OK;
+}
+
+static conceg_status end(swc_parser *parser, conceg_swc **out) {
+  conceg_swc *const swc = parser->swc;
+  conceg_status status;
   *out = swc;
-  swc_parse_text(swc, text, length);
+  swc_parse_end(parser);
   if (!swc->out_of_memory && !swc->error_count) swc_build_tree(swc);
   status = conclude(swc);
   free_rows(swc);
@@ -173,62 +173,29 @@ conceg_status conceg_swc_parse(conceg_ctx *ctx, const char *text, size_t length,
   return status;
 }
 
-static conceg_status too_large(conceg_ctx *ctx, const char *path) {
-  return conceg_ctx_fail(ctx, CONCEG_E_RANGE, "%s: expected less than 4 GiB, got more", path);
-}
-
-/* The size of a regular file, so that its text takes no more memory than that; 0 = not known. */
-static uint64_t file_size(FILE *file) {
-  struct stat about;
-  return fstat(fileno(file), &about) == 0 && S_ISREG(about.st_mode) && about.st_size > 0
-             ? (uint64_t)about.st_size
-             : 0;
-}
-
-/* The whole file in memory; *out is NULL after an error. */
-static conceg_status load(conceg_ctx *ctx, const char *path, char **out, size_t *length) {
-  FILE *file = fopen(path, "rb");
-  char *text = NULL;
-  size_t used = 0, room = 0, got = 1;
-  uint64_t size;
-  int reason = 0;
-  *out = NULL, *length = 0;
-  if (!file) return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
-  size = file_size(file);
-  setvbuf(file, NULL, _IONBF, 0);
-  while (got && size < UINT32_MAX && used < UINT32_MAX && !reason) {
-    if (used == room) {
-      const size_t wanted = room ? room * 2 : size ? (size_t)size + 1 : 1 << 16;
-      char *grown = realloc(text, wanted);
-      if (!grown) break;
-      text = grown, room = wanted;
-    }
-    errno = 0;
-    got = fread(text + used, 1, room - used, file);
-    used += got;
-    if (ferror(file)) reason = errno ? errno : EIO;
-  }
-  fclose(file);
-  if (!reason && !got) {
-    *out = text, *length = used;
-    return CONCEG_OK;
-  }
-  free(text);
-  if (reason) return conceg_ctx_fail(ctx, CONCEG_E_IO, "%s: cannot be read: %s", path, strerror(reason));
-  return size >= UINT32_MAX || used >= UINT32_MAX
-             ? too_large(ctx, path)
-             : conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "%s: out of memory", path);
+conceg_status conceg_swc_parse(conceg_ctx *ctx, const char *text, size_t length, const char *name,
+                               uint32_t flags, conceg_swc **out) {
+  swc_parser parser;
+  conceg_status status;
+  *out = NULL;
+  if (length >= UINT32_MAX)
+    return conceg_ctx_fail(ctx, CONCEG_E_RANGE, "%s: expected less than 4 GiB, got %zu bytes", name, length);
+  status = begin(ctx, name, flags, &parser);
+  if (status != CONCEG_OK) return status;
+  swc_parse_piece(&parser, text, length, 1);
+  return end(&parser, out);
 }
 
 conceg_status conceg_swc_read(conceg_ctx *ctx, const char *path, uint32_t flags, conceg_swc **out) {
-  char *text;
-  size_t length;
+  swc_parser parser;
   conceg_status status;
   *out = NULL;
-  status = load(ctx, path, &text, &length);
+  status = begin(ctx, path, flags, &parser);
   if (status != CONCEG_OK) return status;
-  status = conceg_swc_parse(ctx, text, length, path, flags, out);
-  free(text);
+  status = swc_parse_file(ctx, path, &parser);
+  if (status == CONCEG_OK) return end(&parser, out);
+  swc_free_footer(&parser.footer);
+  conceg_swc_free(parser.swc);
   return status;
 }
 

@@ -8,28 +8,28 @@
 #define MOST_DISTANCES 1e9 /* a few seconds of work */
 
 typedef struct floating {
-  int64_t root;
+  swc_index root;
   double distance; /* to the nearest row that is joined to a soma */
-  int64_t nearest;
+  swc_index nearest;
   int joined;
 } floating;
 
 /* Every row of a tree, into `rows`, in any order. Returns how many. */
-static size_t tree_rows(const conceg_swc *swc, int64_t root, int64_t *rows) {
+static size_t tree_rows(const conceg_swc *swc, swc_index root, swc_index *rows) {
   size_t count = 1, next;
   rows[0] = root;
   for (next = 0; next < count; next++) {
-    int64_t child;
+    swc_index child;
     for (child = swc->first_child[rows[next]]; child >= 0; child = swc->next_sibling[child])
       rows[count++] = child;
   }
   return count;
 }
 
-static const char *code_of(const conceg_swc *swc, int64_t root) {
+static const char *code_of(const conceg_swc *swc, swc_index root) {
   return swc->first_child[root] < 0 ? "W_POINT" : "W_FLOATING";
 }
-static const char *name_of(const conceg_swc *swc, int64_t root) {
+static const char *name_of(const conceg_swc *swc, swc_index root) {
   return swc->first_child[root] < 0 ? "a single sample joined to nothing"
                                     : "a tree that is not joined to the soma";
 }
@@ -43,7 +43,7 @@ static void keep(conceg_swc *swc, const floating *tree, size_t count) {
   if (swc->soma_count > 1 && count) swc->cell_count = swc->soma_count + 1;
 }
 
-static void drop(conceg_swc *swc, const floating *tree, size_t count, int64_t *rows) {
+static void drop(conceg_swc *swc, const floating *tree, size_t count, swc_index *rows) {
   size_t i, k;
   for (i = 0; i < count; i++) {
     const size_t samples = tree_rows(swc, tree[i].root, rows);
@@ -58,7 +58,7 @@ static void drop(conceg_swc *swc, const floating *tree, size_t count, int64_t *r
 /* A row was joined: it may be the nearest one to trees that are not yet. A soma sample counts from its
  * surface.
  */
-static void offer(const conceg_swc *swc, floating *tree, size_t count, int64_t row) {
+static void offer(const conceg_swc *swc, floating *tree, size_t count, swc_index row) {
   const swc_row *const a = &swc->row[row];
   size_t i;
   for (i = 0; i < count; i++) {
@@ -75,7 +75,7 @@ static void offer(const conceg_swc *swc, floating *tree, size_t count, int64_t r
 }
 
 /* The nearest tree first, so that pieces of one broken cable find each other. */
-static void attach(conceg_swc *swc, floating *tree, size_t count, int64_t *rows) {
+static void attach(conceg_swc *swc, floating *tree, size_t count, swc_index *rows) {
   uint8_t *apart = swc_alloc(swc, swc->row_count, 1);
   size_t i, k, done, best;
   if (!apart) return;
@@ -83,7 +83,7 @@ static void attach(conceg_swc *swc, floating *tree, size_t count, int64_t *rows)
     for (k = tree_rows(swc, tree[i].root, rows); k-- > 0;)
       apart[rows[k]] = 1;
   for (i = 0; i < swc->row_count; i++)
-    if (!apart[i] && !swc->merged[i]) offer(swc, tree, count, (int64_t)i);
+    if (!apart[i] && !swc->merged[i]) offer(swc, tree, count, (swc_index)i);
   for (done = 0; done < count; done++) {
     for (best = count, i = 0; i < count; i++)
       if (!tree[i].joined && (best == count || tree[i].distance < tree[best].distance)) best = i;
@@ -100,7 +100,7 @@ static void attach(conceg_swc *swc, floating *tree, size_t count, int64_t *rows)
   swc_link_children(swc);
 }
 
-void swc_settle_floating(conceg_swc *swc, int64_t *scratch) {
+void swc_settle_floating(conceg_swc *swc, swc_index *scratch) {
   floating *tree;
   size_t count = 0, i;
   for (i = 0; i < swc->row_count; i++)
@@ -111,7 +111,7 @@ void swc_settle_floating(conceg_swc *swc, int64_t *scratch) {
   if (!tree) return;
   for (count = i = 0; i < swc->row_count; i++)
     if (!swc->merged[i] && !swc->is_soma[i] && swc->parent[i] < 0)
-      tree[count].root = (int64_t)i, tree[count++].nearest = SWC_NONE;
+      tree[count].root = (swc_index)i, tree[count++].nearest = SWC_NONE;
   if (swc->soma_count && (swc->flags & CONCEG_SWC_DROP_FLOATING))
     drop(swc, tree, count, scratch);
   else if (!swc->soma_count || !(swc->flags & CONCEG_SWC_ATTACH_FLOATING))

@@ -10,6 +10,9 @@
 
 #define SWC_NONE (-1)
 
+/* A row or sample by number: a text of less than 4 GiB has fewer than 2^31 rows. */
+typedef int32_t swc_index;
+
 /* One row of the file, as written. */
 typedef struct swc_row {
   int64_t id, parent_id;
@@ -77,17 +80,17 @@ struct conceg_swc {
   size_t column_count, column_room;
 
   /* By row, made by swc_build_tree and freed at its end. */
-  int64_t *parent;  /* row index, SWC_NONE = root */
-  uint8_t *merged;  /* 1 = left out: an identical copy of an earlier row, or of a floating tree */
-  uint8_t *is_soma; /* 1 = part of a soma */
-  int64_t *first_child, *next_sibling;
+  swc_index *parent; /* row index, SWC_NONE = root */
+  uint8_t *merged;   /* 1 = left out: an identical copy of an earlier row, or of a floating tree */
+  uint8_t *is_soma;  /* 1 = part of a soma */
+  swc_index *first_child, *next_sibling;
   uint32_t *row_cell;   /* of soma rows; NULL while there is one cell */
-  int64_t *soma_row;    /* rows of all somas, each in preorder */
+  swc_index *soma_row;  /* rows of all somas, each in preorder */
   uint64_t *soma_first; /* [soma_count + 1] in soma_row */
 
   /* Neurite samples in preorder. */
   uint64_t count;
-  int64_t *sample_row;
+  swc_index *sample_row;
   double *position, *radius;
   int32_t *kind;
   int64_t *sample_parent;
@@ -137,8 +140,18 @@ const char *swc_read_integer(const char *text, const char *end, int64_t *out);
 size_t swc_write_fixed6(char *out, double value);
 size_t swc_write_hex(char *out, double value);
 
-/* swc_parse.c: text to rows. */
-void swc_parse_text(conceg_swc *swc, const char *text, size_t length);
+/* swc_parse.c: text to rows, piece by piece. Each piece starts where the one before was read to; returns how
+ * many bytes were read, all of them when it is the last piece. */
+typedef struct swc_parser {
+  conceg_swc *swc;
+  swc_footer footer;
+  uint32_t line;
+  int started, stopped; /* 1 = the beginning was looked at; nothing more is to be read */
+} swc_parser;
+size_t swc_parse_piece(swc_parser *parser, const char *text, size_t length, int is_last);
+void swc_parse_end(swc_parser *parser);
+/* swc_file.c: a file to rows. */
+conceg_status swc_parse_file(conceg_ctx *ctx, const char *path, swc_parser *parser);
 /* swc_plus.c: comment lines, footer blocks. */
 void swc_read_comment(conceg_swc *swc, swc_footer *footer, const char *text, const char *end, uint32_t line);
 void swc_apply_footer(conceg_swc *swc, swc_footer *footer);
@@ -157,7 +170,7 @@ void swc_build_tree(conceg_swc *swc);
 void swc_link_children(conceg_swc *swc);
 /* swc_floating.c: trees beside the soma are reported, and left out or joined to it as the flags say.
  * `scratch` has a place for every row. */
-void swc_settle_floating(conceg_swc *swc, int64_t *scratch);
+void swc_settle_floating(conceg_swc *swc, swc_index *scratch);
 /* swc_soma.c: each soma as a sphere. */
 void swc_find_somas(conceg_swc *swc);
 

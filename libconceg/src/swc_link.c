@@ -30,8 +30,8 @@ static void find_parents(conceg_swc *swc, const swc_ids *ids) {
     }
     if (row->parent_id < 0) continue;
     swc->parent[i] = i && row->parent_id == row[-1].id && !swc->merged[i - 1]
-                         ? (int64_t)i - 1
-                         : swc_ids_find(ids, row->parent_id);
+                         ? (swc_index)i - 1
+                         : (swc_index)swc_ids_find(ids, row->parent_id);
     if (swc->parent[i] >= 0) continue;
     if (row->parent_id == 0)
       swc_warn_strict(swc, row->line, "W_ROOT0",
@@ -42,10 +42,10 @@ static void find_parents(conceg_swc *swc, const swc_ids *ids) {
   }
 }
 
-static void report_cycle(conceg_swc *swc, int64_t start) {
+static void report_cycle(conceg_swc *swc, swc_index start) {
   char ids[160] = "";
   size_t used = 0, shown = 0, members = 0;
-  int64_t row = start;
+  swc_index row = start;
   do {
     if (shown < 6)
       used += (size_t)snprintf(ids + used, sizeof ids - used, "%lld -> ", (long long)swc->row[row].id),
@@ -59,16 +59,16 @@ static void report_cycle(conceg_swc *swc, int64_t start) {
 
 /* Walks up from every row; meeting a row of the same walk closes a cycle. */
 static void find_cycles(conceg_swc *swc) {
-  int64_t *walk;
+  swc_index *walk;
   size_t i = 0;
-  while (i < swc->row_count && swc->parent[i] < (int64_t)i)
+  while (i < swc->row_count && swc->parent[i] < (swc_index)i)
     i++;
   if (i == swc->row_count) return; /* parents stand first: no cycle can be */
   walk = swc_alloc(swc, swc->row_count, sizeof *walk);
   if (!walk) return;
   for (i = 0; i < swc->row_count; i++) {
-    const int64_t mark = (int64_t)i + 1;
-    int64_t row = (int64_t)i;
+    const swc_index mark = (swc_index)i + 1;
+    swc_index row = (swc_index)i;
     while (row >= 0 && !walk[row])
       walk[row] = mark, row = swc->parent[row];
     if (row >= 0 && walk[row] == mark) report_cycle(swc, row);
@@ -79,7 +79,7 @@ static void find_cycles(conceg_swc *swc) {
 /* Several soma roots: copies of the first one are merged with it, others belong to other cells. Returns how
  * many cells have a soma root. */
 static uint32_t merge_somas(conceg_swc *swc) {
-  int64_t first = SWC_NONE;
+  swc_index first = SWC_NONE;
   uint32_t somata = 0;
   size_t i;
   int copies = 0;
@@ -87,7 +87,7 @@ static uint32_t merge_somas(conceg_swc *swc) {
     const swc_row *const row = &swc->row[i];
     if (swc->merged[i] || swc->parent[i] >= 0 || row->kind != CONCEG_SWC_SOMA) continue;
     if (first < 0) {
-      first = (int64_t)i, somata = 1;
+      first = (swc_index)i, somata = 1;
     } else if (same_row(&swc->row[first], row)) {
       swc->merged[i] = 1, copies = 1;
       swc_warn(swc, row->line, "W_SOMA_DUP", "the same soma as in line %u; merged with it",
@@ -107,15 +107,15 @@ static uint32_t merge_somas(conceg_swc *swc) {
 
 /* A soma in the middle of a tree: the links from it up to the root are turned round. Returns how many. */
 static uint32_t root_at_soma(conceg_swc *swc) {
-  int64_t row = 0, previous = SWC_NONE;
-  const int64_t rows = (int64_t)swc->row_count;
+  swc_index row = 0, previous = SWC_NONE;
+  const swc_index rows = (swc_index)swc->row_count;
   while (row < rows && (swc->merged[row] || swc->row[row].kind != CONCEG_SWC_SOMA))
     row++;
   if (row == rows) return 0;
   swc_warn_strict(swc, swc->row[row].line, "W_SOMA_PARENT",
                   "the soma is not the root of its tree; the links up to the root are turned round");
   while (row >= 0) {
-    const int64_t next = swc->parent[row];
+    const swc_index next = swc->parent[row];
     swc->parent[row] = previous;
     previous = row, row = next;
   }

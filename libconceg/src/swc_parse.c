@@ -250,49 +250,63 @@ static void read_line(conceg_swc *swc, swc_footer *footer, const char *text, con
   }
 }
 
-static void read_lines(conceg_swc *swc, swc_footer *footer, const char *p, const char *end) {
-  uint32_t line = 0;
-  while (p < end && !swc->out_of_memory) {
-    const char *const text = skip_blanks(p, end), *stop = NULL;
-    line++;
-    if (text < end && starts_row(*text)) stop = read_plain_row(swc, text, end, line);
-    if (stop) {
-      p = stop;
-    } else {
-      for (stop = p; stop < end && *stop != '\n' && *stop != '\r';)
-        stop++;
-      read_line(swc, footer, p, stop, line);
-      if (stop < end && *stop == '\r') {
-        if (stop + 1 < end && stop[1] == '\n')
-          stop++;
-        else
-          swc_remark(swc, SWC_NOTE_EOL, line);
-      }
-      p = stop < end ? stop + 1 : end;
-    }
-    if (swc->error_count >= MOST_LINE_ERRORS) {
-      swc_error(swc, line, "E_STOP", "reading stopped after %d errors", MOST_LINE_ERRORS);
-      return;
-    }
-  }
+/* The end of a line: LF, CR LF or CR. NULL when the piece ends before it is known. */
+static const char *line_end(const char *p, const char *end, int is_last) {
+  while (p < end && *p != '\n' && *p != '\r')
+    p++;
+  return p < end - (p < end && *p == '\r') || is_last ? p : NULL;
 }
 
-void swc_parse_text(conceg_swc *swc, const char *text, size_t length) {
-  swc_footer footer;
-  size_t start = 0;
-  memset(&footer, 0, sizeof footer);
+static const char *read_any_line(swc_parser *parser, const char *p, const char *end, int is_last) {
+  const char *const stop = line_end(p, end, is_last);
+  if (!stop) return NULL;
+  read_line(parser->swc, &parser->footer, p, stop, parser->line);
+  if (stop == end) return end;
+  if (*stop == '\n') return stop + 1;
+  if (stop + 1 < end && stop[1] == '\n') return stop + 2;
+  swc_remark(parser->swc, SWC_NOTE_EOL, parser->line);
+  return stop + 1;
+}
+
+/* UTF-16 is refused, a byte order mark skipped. Returns the first byte to read. */
+static const char *read_start(swc_parser *parser, const char *text, size_t length) {
+  parser->started = 1;
   if (length >= 2 && (!memcmp(text, "\xff\xfe", 2) || !memcmp(text, "\xfe\xff", 2))) {
-    swc_error(swc, 1, "E_ENCODING", "the file is UTF-16; save it as UTF-8 or ASCII");
-    return;
+    swc_error(parser->swc, 1, "E_ENCODING", "the file is UTF-16; save it as UTF-8 or ASCII");
+    parser->stopped = 1;
   }
-  if (length >= 3 && !memcmp(text, "\xef\xbb\xbf", 3)) {
-    swc_warn(swc, 1, "W_BOM", "the file starts with a UTF-8 byte order mark; skipped");
-    start = 3;
+  if (length < 3 || memcmp(text, "\xef\xbb\xbf", 3) != 0) return text;
+  swc_warn(parser->swc, 1, "W_BOM", "the file starts with a UTF-8 byte order mark; skipped");
+  return text + 3;
+}
+
+size_t swc_parse_piece(swc_parser *parser, const char *text, size_t length, int is_last) {
+  conceg_swc *const swc = parser->swc;
+  const char *const end = text + length, *p = text;
+  if (!parser->started && length) p = read_start(parser, text, length);
+  while (p < end && !swc->out_of_memory && !parser->stopped) {
+    const char *const first = skip_blanks(p, end), *next = NULL;
+    parser->line++;
+    if (first < end && starts_row(*first)) next = read_plain_row(swc, first, end, parser->line);
+    if (!next) next = read_any_line(parser, p, end, is_last);
+    if (!next) {
+      parser->line--;
+      break;
+    }
+    p = next;
+    if (swc->error_count >= MOST_LINE_ERRORS) {
+      swc_error(swc, parser->line, "E_STOP", "reading stopped after %d errors", MOST_LINE_ERRORS);
+      parser->stopped = 1;
+    }
   }
-  if (length) read_lines(swc, &footer, text + start, text + length);
+  return (size_t)(p - text);
+}
+
+void swc_parse_end(swc_parser *parser) {
+  conceg_swc *const swc = parser->swc;
   if (!swc->row_count && !swc->error_count)
     swc_error(swc, 0, "E_EMPTY", "the file has no samples (rows of 7 numbers)");
   if (!swc->error_count) swc_sort_rows(swc);
-  if (!swc->error_count && !swc->out_of_memory) swc_apply_footer(swc, &footer);
-  swc_free_footer(&footer);
+  if (!swc->error_count && !swc->out_of_memory) swc_apply_footer(swc, &parser->footer);
+  swc_free_footer(&parser->footer);
 }

@@ -31,7 +31,7 @@ static int is_three_point(const swc_row *a, const swc_row *b, const swc_row *c) 
 
 /* The centroid, the mean distance from it, and the vector area of the polygon (half the sum of its corners'
  * cross products). */
-static double measure_outline(const conceg_swc *swc, const int64_t *member, size_t count, double center[3],
+static double measure_outline(const conceg_swc *swc, const swc_index *member, size_t count, double center[3],
                               double area[3]) {
   double mean = 0.0;
   size_t i;
@@ -53,7 +53,7 @@ static double measure_outline(const conceg_swc *swc, const int64_t *member, size
 }
 
 /* All samples within a tenth of the mean distance of one plane, which the outline encloses area of. */
-static int is_flat(const conceg_swc *swc, const int64_t *member, size_t count, const double center[3],
+static int is_flat(const conceg_swc *swc, const swc_index *member, size_t count, const double center[3],
                    const double area[3], double mean) {
   const double zero[3] = {0, 0, 0}, size = distance(area, zero);
   size_t i;
@@ -68,7 +68,7 @@ static int is_flat(const conceg_swc *swc, const int64_t *member, size_t count, c
 }
 
 /* An outline: samples without a radius, or a flat chain of one radius whose ends are near each other. */
-static int is_contour(const conceg_swc *swc, const int64_t *member, size_t count, int forked,
+static int is_contour(const conceg_swc *swc, const swc_index *member, size_t count, int forked,
                       double center[3], double *mean_distance) {
   const swc_row *const first = &swc->row[member[0]];
   double area[3], length = 0.0;
@@ -89,8 +89,8 @@ static int is_contour(const conceg_swc *swc, const int64_t *member, size_t count
 }
 
 /* The largest sample when it holds all other centres, else the sphere with the area of the frusta. */
-static void set_from_chain(const conceg_swc *swc, const int64_t *member, size_t count, conceg_soma_form form,
-                           swc_sphere *soma) {
+static void set_from_chain(const conceg_swc *swc, const swc_index *member, size_t count,
+                           conceg_soma_form form, swc_sphere *soma) {
   const double pi = 3.14159265358979323846;
   const swc_row *largest = &swc->row[member[0]];
   double center[3] = {0, 0, 0}, area = 0.0;
@@ -101,7 +101,7 @@ static void set_from_chain(const conceg_swc *swc, const int64_t *member, size_t 
   for (i = 0; i < count; i++)
     inside &= distance(swc->row[member[i]].position, largest->position) <= 1.1 * largest->radius;
   for (i = 0; i < count && !inside; i++) {
-    const int64_t up = swc->parent[member[i]];
+    const swc_index up = swc->parent[member[i]];
     const swc_row *const b = &swc->row[member[i]], *a;
     double h, lateral;
     if (up < 0) continue;
@@ -120,15 +120,15 @@ static void set_from_chain(const conceg_swc *swc, const int64_t *member, size_t 
   set_sphere(soma, form, center, sqrt(area / (4.0 * pi)));
 }
 
-static int soma_children(const conceg_swc *swc, int64_t row) {
+static int soma_children(const conceg_swc *swc, swc_index row) {
   int count = 0;
-  int64_t child;
+  swc_index child;
   for (child = swc->first_child[row]; child >= 0; child = swc->next_sibling[child])
     count += swc->is_soma[child];
   return count;
 }
 
-static void find_soma(conceg_swc *swc, const int64_t *member, size_t count, swc_sphere *soma) {
+static void find_soma(conceg_swc *swc, const swc_index *member, size_t count, swc_sphere *soma) {
   const swc_row *const first = &swc->row[member[0]];
   double center[3], mean_distance = 0.0;
   size_t i;

@@ -13,36 +13,36 @@ void swc_link_children(conceg_swc *swc) {
   for (i = 0; i < swc->row_count; i++)
     swc->first_child[i] = SWC_NONE;
   for (i = swc->row_count; i-- > 0;) {
-    const int64_t up = swc->parent[i];
+    const swc_index up = swc->parent[i];
     swc->next_sibling[i] = SWC_NONE;
     if (swc->merged[i] || up < 0) continue;
     swc->next_sibling[i] = swc->first_child[up];
-    swc->first_child[up] = (int64_t)i;
+    swc->first_child[up] = (swc_index)i;
   }
 }
 
 /* A soma = a soma root and the type-1 rows joined to it by type-1 rows. `stack` has room for every row. */
-static void gather_soma(conceg_swc *swc, int64_t root, uint32_t cell, uint64_t *count, int64_t *stack) {
+static void gather_soma(conceg_swc *swc, swc_index root, uint32_t cell, uint64_t *count, swc_index *stack) {
   size_t depth = 1;
   stack[0] = root;
   while (depth) {
-    const int64_t row = stack[--depth];
+    const swc_index row = stack[--depth];
     const size_t base = depth;
     size_t a, b;
-    int64_t child;
+    swc_index child;
     swc->is_soma[row] = 1;
     swc->soma_row[(*count)++] = row;
     if (swc->row_cell) swc->row_cell[row] = cell;
     for (child = swc->first_child[row]; child >= 0; child = swc->next_sibling[child])
       if (swc->row[child].kind == CONCEG_SWC_SOMA) stack[depth++] = child;
     for (a = base, b = depth; b > a + 1; a++) {
-      const int64_t swap = stack[a];
+      const swc_index swap = stack[a];
       stack[a] = stack[--b], stack[b] = swap;
     }
   }
 }
 
-static void gather_somas(conceg_swc *swc, int64_t *stack) {
+static void gather_somas(conceg_swc *swc, swc_index *stack) {
   uint64_t count = 0;
   uint32_t cell = 0;
   size_t i;
@@ -51,17 +51,17 @@ static void gather_somas(conceg_swc *swc, int64_t *stack) {
   if (swc->soma_count > 1) swc->row_cell = swc_alloc(swc, swc->row_count, sizeof *swc->row_cell);
   for (i = 0; i < swc->row_count && cell < swc->soma_count && !swc->out_of_memory; i++) {
     if (swc->merged[i] || swc->parent[i] >= 0 || swc->row[i].kind != CONCEG_SWC_SOMA) continue;
-    gather_soma(swc, (int64_t)i, cell, &count, stack);
+    gather_soma(swc, (swc_index)i, cell, &count, stack);
     swc->soma_first[++cell] = count;
   }
   swc->use[CONCEG_SWC_USE_SOMA] = count;
 }
 
 /* Sorts the first rows of trees by cell, keeping their order within one. */
-static void group_by_cell(conceg_swc *swc, int64_t *tree, const uint32_t *cell, size_t count,
+static void group_by_cell(conceg_swc *swc, swc_index *tree, const uint32_t *cell, size_t count,
                           uint64_t *first) {
   uint64_t *next = swc_alloc(swc, swc->cell_count, sizeof *next);
-  int64_t *sorted = swc_alloc(swc, count, sizeof *sorted);
+  swc_index *sorted = swc_alloc(swc, count, sizeof *sorted);
   size_t i;
   uint32_t k;
   if (next && sorted) {
@@ -77,18 +77,18 @@ static void group_by_cell(conceg_swc *swc, int64_t *tree, const uint32_t *cell, 
 }
 
 /* First rows of the trees, by cell and within it by id. */
-static void find_trees(conceg_swc *swc, int64_t *tree, uint64_t *tree_first) {
+static void find_trees(conceg_swc *swc, swc_index *tree, uint64_t *tree_first) {
   uint32_t *cell = NULL;
   size_t i, count = 0;
   for (i = 0; i < swc->row_count; i++) {
-    const int64_t up = swc->parent[i];
-    if (!swc->merged[i] && !swc->is_soma[i] && (up < 0 || swc->is_soma[up])) tree[count++] = (int64_t)i;
+    const swc_index up = swc->parent[i];
+    if (!swc->merged[i] && !swc->is_soma[i] && (up < 0 || swc->is_soma[up])) tree[count++] = (swc_index)i;
   }
   tree_first[0] = 0, tree_first[1] = count;
   if (swc->cell_count < 2) return;
   cell = swc_alloc(swc, count, sizeof *cell);
   for (i = 0; cell && i < count; i++) {
-    const int64_t up = swc->parent[tree[i]];
+    const swc_index up = swc->parent[tree[i]];
     cell[i] = up < 0 ? swc->cell_count - 1 : swc->row_cell[up];
   }
   if (cell) group_by_cell(swc, tree, cell, count, tree_first);
@@ -96,11 +96,11 @@ static void find_trees(conceg_swc *swc, int64_t *tree, uint64_t *tree_first) {
 }
 
 /* The samples of one tree in preorder, from sample `count` on. Returns the new count. */
-static uint64_t order_tree(conceg_swc *swc, int64_t root, uint64_t count, int64_t *stack) {
+static uint64_t order_tree(conceg_swc *swc, swc_index root, uint64_t count, swc_index *stack) {
   size_t depth = 0;
-  int64_t row = root;
+  swc_index row = root;
   for (;;) {
-    int64_t child = swc->first_child[row];
+    swc_index child = swc->first_child[row];
     swc->sample_row[count++] = row;
     if (child >= 0) {
       /* A sister waits on the stack; it brings its own sister with it. */
@@ -117,8 +117,8 @@ static uint64_t order_tree(conceg_swc *swc, int64_t root, uint64_t count, int64_
 }
 
 /* Rows of the neurites in preorder, cell by cell. */
-static void order_samples(conceg_swc *swc, int64_t *stack) {
-  int64_t *tree = swc_alloc(swc, swc->row_count, sizeof *tree);
+static void order_samples(conceg_swc *swc, swc_index *stack) {
+  swc_index *tree = swc_alloc(swc, swc->row_count, sizeof *tree);
   uint64_t *tree_first = swc_alloc(swc, swc->cell_count + 1, sizeof *tree_first);
   uint64_t count = 0, i;
   uint32_t cell;
@@ -135,9 +135,9 @@ static void order_samples(conceg_swc *swc, int64_t *stack) {
 
 /* The kind of a sample, given its parent's: strays of type 1, and the CNIC marks of forks (5) and tips (6).
  */
-static int32_t settle_kind(conceg_swc *swc, int64_t row, int64_t parent_sample) {
+static int32_t settle_kind(conceg_swc *swc, swc_index row, swc_index parent_sample) {
   const int32_t kind = swc->row[row].kind;
-  const int64_t child = swc->first_child[row];
+  const swc_index child = swc->first_child[row];
   int32_t above;
   if (parent_sample < 0) return kind;
   above = swc->kind[parent_sample];
@@ -158,13 +158,13 @@ static int lies_on(const double a[3], const double b[3]) {
   return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
-static void fill_samples(conceg_swc *swc, int64_t *sample_of_row) {
+static void fill_samples(conceg_swc *swc, swc_index *sample_of_row) {
   uint64_t i;
   for (i = 0; i < swc->count; i++) {
-    const int64_t row = swc->sample_row[i], up = swc->parent[row];
+    const swc_index row = swc->sample_row[i], up = swc->parent[row];
     const int on_soma = up >= 0 && swc->is_soma[up];
-    const int64_t parent = up < 0 || on_soma ? SWC_NONE : sample_of_row[up];
-    sample_of_row[row] = (int64_t)i;
+    const swc_index parent = up < 0 || on_soma ? SWC_NONE : sample_of_row[up];
+    sample_of_row[row] = (swc_index)i;
     memcpy(swc->position + 3 * i, swc->row[row].position, 3 * sizeof(double));
     swc->radius[i] = swc->row[row].radius;
     swc->line[i] = swc->row[row].line;
@@ -195,7 +195,7 @@ static void sort_columns(conceg_swc *swc) {
 }
 
 /* Somas, the cells they belong to, and what is to become of trees beside them. */
-static void tell_cells(conceg_swc *swc, int64_t *scratch) {
+static void tell_cells(conceg_swc *swc, swc_index *scratch) {
   size_t i;
   swc->cell_count = swc->soma_count ? swc->soma_count : 1;
   for (i = 0; i < swc->row_count; i++)
@@ -208,13 +208,13 @@ static void tell_cells(conceg_swc *swc, int64_t *scratch) {
 
 void swc_build_tree(conceg_swc *swc) {
   const size_t rows = swc->row_count;
-  int64_t *scratch;
+  swc_index *scratch;
   if (!swc_link_rows(swc)) return;
-  swc->first_child = swc_alloc(swc, rows, sizeof(int64_t));
-  swc->next_sibling = swc_alloc(swc, rows, sizeof(int64_t));
+  swc->first_child = swc_alloc(swc, rows, sizeof(swc_index));
+  swc->next_sibling = swc_alloc(swc, rows, sizeof(swc_index));
   swc->is_soma = swc_alloc(swc, rows, 1);
-  swc->sample_row = swc_alloc(swc, rows, sizeof(int64_t));
-  scratch = swc_alloc(swc, rows, sizeof(int64_t));
+  swc->sample_row = swc_alloc(swc, rows, sizeof(swc_index));
+  scratch = swc_alloc(swc, rows, sizeof(swc_index));
   if (!swc->out_of_memory) tell_cells(swc, scratch);
   if (!swc->out_of_memory && !swc->error_count) order_samples(swc, scratch);
   swc->position = swc_alloc(swc, swc->count, 3 * sizeof(double));
