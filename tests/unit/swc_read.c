@@ -213,12 +213,115 @@ static void check_numbers(void) {
   }
 }
 
+/* Ties and near ties between two doubles, in whole and fractional digits, where a second rounding would show.
+ */
+static void check_ties(void) {
+  static const char *const digits[] = {"9007199254740993",
+                                       "9007199254740992.5",
+                                       "9007199254740993.5",
+                                       "9007199254740995",
+                                       "18014398509481982",
+                                       "18014398509481987",
+                                       "9223372036854775807",
+                                       "1844674407370955161.5",
+                                       "900719925474099.25",
+                                       "0.9007199254740993",
+                                       "0.1000000000000000056",
+                                       "123456.7890123456789",
+                                       "9999999999999999999",
+                                       "0.0000000000000000001",
+                                       "1.000000000000000111",
+                                       "1.0000000000000001110",
+                                       "1.000000000000000112",
+                                       "9007199254740993e3",
+                                       "9007199254740993e19",
+                                       "9007199254740993e-19",
+                                       "9007199254740993e20",
+                                       "1e22",
+                                       "1e23",
+                                       "000000000000000000000012.5",
+                                       "12.50000000000000000000000000",
+                                       "4.9e-324",
+                                       "2.2250738585072011e-308"};
+  char text[256];
+  size_t i;
+  for (i = 0; i < sizeof digits / sizeof *digits; i++) {
+    conceg_swc *swc = NULL;
+    snprintf(text, sizeof text, SOMA "2 3 0 -%s 0 1 1\n", digits[i]);
+    CHECK_EQUAL(conceg_swc_parse(ctx, text, strlen(text), "tie", 0, &swc), CONCEG_OK);
+    CHECK_EQUAL(conceg_swc_count(swc), 1);
+    if (conceg_swc_count(swc) && conceg_swc_position(swc)[1] != -strtod(digits[i], NULL)) {
+      CHECK(!"correctly rounded");
+      fprintf(stderr, "  %s: got %a\n", digits[i], conceg_swc_position(swc)[1]);
+    }
+    conceg_swc_free(swc);
+  }
+}
+
+static int same_reading(const conceg_swc *a, const conceg_swc *b) {
+  const uint64_t count = conceg_swc_count(a);
+  uint32_t i, line[2], severity[2];
+  const char *code[2], *what[2];
+  if (count != conceg_swc_count(b)) return 0;
+  for (i = 0; conceg_swc_problem(a, i, &severity[0], &line[0], &code[0], &what[0]); i++)
+    if (!conceg_swc_problem(b, i, &severity[1], &line[1], &code[1], &what[1]) || severity[0] != severity[1] ||
+        line[0] != line[1] || strcmp(code[0], code[1]) != 0 || strcmp(what[0], what[1]) != 0)
+      return 0;
+  return !conceg_swc_problem(b, i, NULL, NULL, NULL, NULL) &&
+         !memcmp(conceg_swc_position(a), conceg_swc_position(b), count * 3 * sizeof(double)) &&
+         !memcmp(conceg_swc_radius(a), conceg_swc_radius(b), count * sizeof(double)) &&
+         !memcmp(conceg_swc_parent(a), conceg_swc_parent(b), count * sizeof(int64_t)) &&
+         !memcmp(conceg_swc_line(a), conceg_swc_line(b), count * sizeof(uint32_t));
+}
+
+/* A file is read in pieces: wherever they end, in a number, between CR and LF or in a long comment, the
+ * reading is that of the whole text. */
+static void check_pieces(void) {
+  static const char *const line_end[] = {"\n", "\r\n", "\r"};
+  const size_t room = 2 << 20;
+  char *text = malloc(room), path[] = "swc_pieces.swc";
+  size_t shift, ends;
+  CHECK(text != NULL);
+  for (ends = 0; text && ends < 3; ends++)
+    for (shift = 0; shift < 40; shift += ends == 1 ? 1 : 7) {
+      size_t length = (size_t)snprintf(text, room, "#%*s%s", (int)shift, "", line_end[ends]);
+      conceg_swc *whole = NULL, *pieces = NULL;
+      FILE *file;
+      int i;
+      for (i = 1; length < room / 2; i++) {
+        length += (size_t)snprintf(text + length, room - length, "%d %d %d.25 0 0 0.5 %d%s", i,
+                                   i % 1000 ? 3 : 7, i, i > 1 ? i - 1 : -1, line_end[ends]);
+        if (i == 5000) {
+          memset(text + length, '#', 300000);
+          length += 300000;
+          length += (size_t)snprintf(text + length, room - length, "%s", line_end[ends]);
+        }
+      }
+      file = fopen(path, "wb");
+      CHECK(file && fwrite(text, 1, length, file) == length && fclose(file) == 0);
+      CHECK_EQUAL(conceg_swc_parse(ctx, text, length, path, 0, &whole), CONCEG_OK);
+      CHECK_EQUAL(conceg_swc_read(ctx, path, 0, &pieces), CONCEG_OK);
+      CHECK(conceg_swc_count(whole) > 20000 && same_reading(whole, pieces));
+      conceg_swc_free(whole), conceg_swc_free(pieces);
+    }
+  remove(path);
+  free(text);
+}
+
 /* Any bytes: no crash, and either samples or an error with a line. */
 static void check_garbage(void) {
   static const char seed[] =
       "# SWC-plus 1.0\n" SOMA "2 3 6.5 0 0 1 1\n3 3 7 -1.25e1 0 .5 2\n4 2 7 1 0 .5 2\n5 2 8 1 0 .5 4 7\n"
       "# @begin nodes columns=x,y,q\n# @n 2 0x1.ap+2 0x0p+0 -\n# @n 9 1 2 3\n# @end nodes\n";
   static const char spice[] = "0123456789-+.eExXpP#,@ \n\r\t\0nan\xff";
+  static const uint32_t flags[8] = {0,
+                                    CONCEG_SWC_STRICT,
+                                    CONCEG_SWC_SPLIT,
+                                    CONCEG_SWC_DROP_FLOATING,
+                                    CONCEG_SWC_ATTACH_FLOATING,
+                                    CONCEG_SWC_SPLIT | CONCEG_SWC_ATTACH_FLOATING,
+                                    CONCEG_SWC_SPLIT | CONCEG_SWC_DROP_FLOATING,
+                                    CONCEG_SWC_STRICT | CONCEG_SWC_SPLIT};
   char text[sizeof seed];
   uint64_t state = 12345;
   int i, k;
@@ -232,7 +335,7 @@ static void check_garbage(void) {
       text[(state >> 33) % length] = i % 3 ? spice[(state >> 20) % (sizeof spice - 1)] : (char)(state >> 56);
     }
     if (i % 7 == 0) length = (state >> 40) % length;
-    status = conceg_swc_parse(ctx, text, length, "garbage", (uint32_t)(i & 1), &swc);
+    status = conceg_swc_parse(ctx, text, length, "garbage", flags[i % 8], &swc);
     CHECK(swc != NULL && (status == CONCEG_OK || status == CONCEG_E_FORMAT));
     CHECK(status != CONCEG_OK || conceg_swc_count(swc) <= 6);
     conceg_swc_free(swc);
@@ -247,6 +350,8 @@ int main(void) {
   check_tree();
   check_somas();
   check_numbers();
+  check_ties();
+  check_pieces();
   check_garbage();
   CHECK_EQUAL(conceg_swc_read(ctx, "no/such/file.swc", 0, &swc), CONCEG_E_IO);
   CHECK(swc == NULL && strstr(conceg_ctx_error(ctx), "no/such/file.swc"));
