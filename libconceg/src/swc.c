@@ -39,7 +39,6 @@ static void add_problem(conceg_swc *swc, uint32_t severity, uint32_t line, const
   swc_problem *problem;
   char *copy;
   if (vsnprintf(text, sizeof text, format, arguments) < 0) text[0] = 0;
-  if (severity == 0) swc->error_count++;
   if (!swc_reserve(swc, (void **)&swc->problem, &swc->problem_room, swc->problem_count + 1, sizeof *problem))
     return;
   copy = swc_copy(swc, text, strlen(text));
@@ -53,6 +52,7 @@ static void add_problem(conceg_swc *swc, uint32_t severity, uint32_t line, const
 void swc_error(conceg_swc *swc, uint32_t line, const char *code, const char *format, ...) {
   va_list arguments;
   va_start(arguments, format);
+  swc->error_count++;
   add_problem(swc, 0, line, code, format, arguments);
   va_end(arguments);
 }

@@ -71,7 +71,8 @@ struct conceg_swc {
   size_t row_count, row_room;
   int unsorted; /* 1 = the ids of the file do not ascend */
   swc_problem *problem;
-  size_t problem_count, problem_room, error_count;
+  size_t problem_count, problem_room;
+  size_t error_count; /* without those of strict mode */
   uint32_t note_line[SWC_NOTE_COUNT];
   uint64_t note_count[SWC_NOTE_COUNT];
   swc_header *header;
@@ -127,7 +128,7 @@ int swc_reserve(conceg_swc *swc, void **array, size_t *room, size_t need, size_t
 char *swc_copy(conceg_swc *swc, const char *text, size_t length);
 void swc_error(conceg_swc *swc, uint32_t line, const char *code, const char *format, ...) CONCEG_PRINTF(4, 5);
 void swc_warn(conceg_swc *swc, uint32_t line, const char *code, const char *format, ...) CONCEG_PRINTF(4, 5);
-/* A warning that strict mode turns into an error. */
+/* A warning that strict mode turns into an error: reading goes on, so that the same problems are found. */
 void swc_warn_strict(conceg_swc *swc, uint32_t line, const char *code, const char *format, ...)
     CONCEG_PRINTF(4, 5);
 void swc_remark(conceg_swc *swc, swc_note note, uint32_t line);

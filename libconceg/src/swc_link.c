@@ -29,6 +29,11 @@ static void find_parents(conceg_swc *swc, const swc_ids *ids) {
       continue;
     }
     if (row->parent_id < 0) continue;
+    if (row->parent_id == row->id) {
+      swc_error(swc, row->line, "E_CYCLE", "sample %lld is its own parent; a root has parent -1",
+                (long long)row->id);
+      continue;
+    }
     swc->parent[i] = i && row->parent_id == row[-1].id && !swc->merged[i - 1]
                          ? (swc_index)i - 1
                          : (swc_index)swc_ids_find(ids, row->parent_id);
@@ -128,10 +133,9 @@ int swc_link_rows(conceg_swc *swc) {
   swc->merged = swc_alloc(swc, swc->row_count, 1);
   if (ids && swc->parent && swc->merged) find_parents(swc, ids);
   swc_ids_free(ids);
-  if (swc->out_of_memory || swc->error_count) return 0;
+  if (swc->out_of_memory) return 0;
   find_cycles(swc);
-  if (swc->out_of_memory || swc->error_count) return 0;
   swc->soma_count = merge_somas(swc);
-  if (!swc->soma_count) swc->soma_count = root_at_soma(swc);
+  if (!swc->soma_count && !swc->error_count) swc->soma_count = root_at_soma(swc);
   return !swc->out_of_memory && !swc->error_count;
 }

@@ -143,12 +143,10 @@ static void check_row(conceg_swc *swc, swc_row *row, int64_t kind, uint32_t line
                     (long long)row->parent_id);
     row->parent_id = -1;
   }
-  if (row->id >= 0 && row->parent_id == row->id)
-    swc_error(swc, line, "E_CYCLE", "sample %lld is its own parent; a root has parent -1",
-              (long long)row->id);
-  if (kind < 0 || kind >= 20) swc_remark(swc, SWC_NOTE_TYPE, line);
   if (kind > INT32_MAX)
     swc_error(swc, line, "E_ID", "type: expected at most 2147483647, got %lld", (long long)kind);
+  else if (kind < 0 || kind >= 20)
+    swc_remark(swc, SWC_NOTE_TYPE, line);
   row->kind = kind < 0 ? 0 : (int32_t)(kind & INT32_MAX);
   if (row->radius <= 0.0) swc_remark(swc, SWC_NOTE_RADIUS, line);
 }
