@@ -222,26 +222,42 @@ static int copy_soma(struct repair *repair, const conceg_swc *swc, uint32_t cell
   return EXIT_OK;
 }
 
-/* Reads what was written. The remaining problems are what the file is, not how it is written. */
-static int confirm(struct repair *repair, const char *output, uint64_t count) {
+/* The same samples, to the last bit, in the same order. */
+static int is_same(const conceg_swc *swc, const conceg_swc_cell *cell) {
+  const uint64_t count = cell->count;
+  uint64_t i;
+  if (conceg_swc_count(swc) != count ||
+      memcmp(conceg_swc_position(swc), cell->position, count * 3 * sizeof(double)) != 0 ||
+      memcmp(conceg_swc_radius(swc), cell->radius, count * sizeof(double)) != 0)
+    return 0;
+  for (i = 0; i < count; i++)
+    if (conceg_swc_kind(swc)[i] != cell->kind[i] ||
+        conceg_swc_parent(swc)[i] != (cell->parent[i] < 0 ? -1 : cell->parent[i]) ||
+        conceg_swc_on_soma(swc)[i] != (cell->parent[i] == -1 && cell->soma_radius > 0.0))
+      return 0;
+  return 1;
+}
+
+/* Reads what was written. The remaining problems are what the cell is, not how it is written. */
+static int confirm(struct repair *repair, const char *output, const conceg_swc_cell *cell) {
   conceg_swc *swc = NULL;
   const conceg_status status = conceg_swc_read(repair->cli->ctx, output, CONCEG_SWC_STRICT, &swc);
+  int code = EXIT_OK;
   uint32_t i;
-  const char *code;
-  int good = status == CONCEG_OK && conceg_swc_count(swc) == count;
-  if (!good) {
-    conceg_swc_free(swc);
-    return cli_fail(repair->cli, EXIT_STAGE, "%s: what was written does not read as it should: %s", output,
-                    status == CONCEG_OK ? "another number of samples" : conceg_ctx_error(repair->cli->ctx));
+  const char *name;
+  if (status != CONCEG_OK || !is_same(swc, cell)) {
+    code = cli_fail(repair->cli, EXIT_STAGE, "%s: what was written does not read as it should: %s", output,
+                    status == CONCEG_OK ? "other samples" : conceg_ctx_error(repair->cli->ctx));
+  } else {
+    printf("%s: written as %s: %llu samples, %s", repair->path, output, (unsigned long long)cell->count,
+           cell->soma_radius > 0.0 ? "1 soma" : "no soma");
+    for (i = 0; conceg_swc_problem(swc, i, NULL, NULL, &name, NULL); i++)
+      if (i < 8) printf("%s %s", i ? "," : "; stays:", name);
+    if (i > 8) printf(" and %u more", i - 8);
+    putchar('\n');
   }
-  printf("%s: written as %s: %llu samples, %s", repair->path, output, (unsigned long long)count,
-         conceg_swc_soma(swc, NULL, NULL) == CONCEG_SOMA_NONE ? "no soma" : "1 soma");
-  for (i = 0; conceg_swc_problem(swc, i, NULL, NULL, &code, NULL); i++)
-    if (i < 8) printf("%s %s", i ? "," : "; stays:", code);
-  if (i > 8) printf(" and %u more", i - 8);
-  putchar('\n');
   conceg_swc_free(swc);
-  return EXIT_OK;
+  return code;
 }
 
 static int write_cell(struct repair *repair, const conceg_swc *swc, uint32_t cell, const char *output,
@@ -268,7 +284,7 @@ static int write_cell(struct repair *repair, const conceg_swc *swc, uint32_t cel
     else if (status != CONCEG_OK)
       code = refuse(repair, 0, "not written", conceg_ctx_error(repair->cli->ctx));
     else
-      code = confirm(repair, output, draft.out.count);
+      code = confirm(repair, output, &draft.out);
   }
   *merged += draft.merged;
   free_draft(&draft);

@@ -6,7 +6,7 @@ bin=$1 maker=$2 table=$3 fixtures=$4
 PATH=$bin:$PATH
 . "$(dirname "$0")/../cli/expect.sh"
 t=$expect_folder
-damaged=2000
+damaged=1000
 
 # accounted_for LOG: in each line "N rows = a ... + b ... + ..." the parts make up N. Prints how many lines there are.
 accounted_for() {
