@@ -56,7 +56,7 @@ static int list_folder(struct cli *cli, const char *folder, size_t base, int dep
         code = depth < DEEPEST_FOLDER
                    ? list_folder(cli, path, base, depth + 1, out)
                    : cli_fail(cli, EXIT_IO, "%s: more than %d folders deep", path, DEEPEST_FOLDER);
-      else if (is_swc(name))
+      else if (is_swc(name) && stat(path, &about) == 0 && S_ISREG(about.st_mode))
         add_file(out, path, path + base + (path[base] == '/'));
     }
     free(item[i]);

@@ -9,7 +9,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
+/* What conceg_swc_write takes (SWC-009, SWC-011). */
 #define SMALLEST_RADIUS_UM 1e-6
+#define LARGEST_UM 1e12
 
 struct repair {
   struct cli *cli;
@@ -118,6 +120,11 @@ static int settle_radius(const struct repair *repair, double radius, uint32_t li
   return 1;
 }
 
+static int is_near(const double position[3], double radius) {
+  return fabs(position[0]) < LARGEST_UM && fabs(position[1]) < LARGEST_UM && fabs(position[2]) < LARGEST_UM &&
+         radius < LARGEST_UM;
+}
+
 /* Samples of one cell without those that lie on their parent, whose children move up to it. `place` has the
  * new number of each old sample. Returns an exit code. */
 static int copy_samples(struct repair *repair, const conceg_swc *swc, uint64_t first, uint64_t end,
@@ -125,6 +132,7 @@ static int copy_samples(struct repair *repair, const conceg_swc *swc, uint64_t f
   const double *const position = conceg_swc_position(swc), *const radius = conceg_swc_radius(swc);
   const int64_t *const parent = conceg_swc_parent(swc);
   const uint32_t *const line = conceg_swc_line(swc);
+  uint32_t far_line = 0;
   uint64_t *const place = take(repair->cli, end - first, sizeof *place), i, used = 0;
   uint32_t c, bad_line = 0;
   uint64_t bad = 0;
@@ -139,6 +147,7 @@ static int copy_samples(struct repair *repair, const conceg_swc *swc, uint64_t f
       continue;
     }
     place[i - first] = used;
+    if (!far_line && !is_near(p, radius[i])) far_line = line[i];
     memcpy(draft->position + 3 * used, p, 3 * sizeof *p);
     if (!settle_radius(repair, radius[i], line[i], &draft->radius[used]) && !bad++) bad_line = line[i];
     draft->kind[used] = (uint8_t)settle_type(repair, conceg_swc_kind(swc)[i], line[i]);
@@ -151,6 +160,9 @@ static int copy_samples(struct repair *repair, const conceg_swc *swc, uint64_t f
   }
   draft->out.count = used;
   free(place);
+  if (far_line)
+    return refuse(repair, far_line, "E_NUMBER",
+                  "a coordinate or radius is 1e12 um or more; correct its unit");
   if (!bad) return EXIT_OK;
   printf("%s: %llu radii are 0, negative or below %g um\n", repair->path, (unsigned long long)bad,
          SMALLEST_RADIUS_UM);
@@ -183,6 +195,11 @@ static void copy_header(struct repair *repair, const conceg_swc *swc, struct dra
   draft->out.header = draft->header;
 }
 
+static int is_column_name(const char *name) {
+  return *name &&
+         strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-@") == strlen(name);
+}
+
 static void copy_columns(struct repair *repair, const conceg_swc *swc, uint64_t count, struct draft *draft) {
   static const char *const own[] = {"x", "y", "z", "radius"};
   const char *name;
@@ -198,6 +215,12 @@ static void copy_columns(struct repair *repair, const conceg_swc *swc, uint64_t 
     for (c = 0; c < draft->out.column_count; c++)
       known |= !strcmp(name, draft->column_name[c]);
     if (known) continue;
+    if (!is_column_name(name)) {
+      printf("%s: W_COLUMNS: a column of the footer is left out: its name has other than letters, digits and "
+             "_ . - @\n",
+             repair->path);
+      continue;
+    }
     draft->column_name[draft->out.column_count] = name;
     draft->column[draft->out.column_count++] = take(repair->cli, count, sizeof(double));
   }

@@ -40,7 +40,8 @@ mkdir "$t/cases" "$t/damaged"
 expect_true "there are $damaged damaged files" test "$(ls "$t/damaged" | wc -l)" -eq $damaged
 asked='--radius-min 0.05 --floating=attach --somata=split'
 repaired "$t/cases" "$t/kept" 'W_NO_SOMA|W_TYPECHANGE|W_FLOATING|W_POINT' --radius-min 0.05
-expect_true "what the reader refuses is not repaired" test "$refused" -eq "$(grep -v '^#' "$table" | awk -F '\t' '$6 == "refused" || $3 ~ /split/' | wc -l)"
+# Coordinates of 1e300 um are read but not written.
+expect_true "what the reader refuses is not repaired" test "$refused" -eq "$(grep -v '^#' "$table" | awk -F '\t' '$6 == "refused" || $3 ~ /split/ || $2 == "far_away"' | wc -l)"
 repaired "$t/cases" "$t/joined" 'W_NO_SOMA|W_TYPECHANGE' $asked
 # Without a soma there is nothing to join a single sample to: W_POINT.
 repaired "$t/damaged" "$t/mended" 'W_NO_SOMA|W_TYPECHANGE|W_POINT' $asked
