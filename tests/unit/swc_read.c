@@ -241,6 +241,12 @@ static void check_ties(void) {
                                        "1e23",
                                        "000000000000000000000012.5",
                                        "12.50000000000000000000000000",
+                                       "0.9448099766859293092",
+                                       "0.2699549814031953210",
+                                       "1.607944710337317340",
+                                       "5.574912896965761977",
+                                       "85.53217338906316769",
+                                       "81.57170922883336317",
                                        "4.9e-324",
                                        "2.2250738585072011e-308"};
   char text[256];
@@ -291,7 +297,7 @@ static void check_pieces(void) {
       for (i = 1; length < room / 2; i++) {
         length += (size_t)snprintf(text + length, room - length, "%d %d %d.25 0 0 0.5 %d%s", i,
                                    i % 1000 ? 3 : 7, i, i > 1 ? i - 1 : -1, line_end[ends]);
-        if (i == 5000) {
+        if (i == 15000) {
           memset(text + length, '#', 300000);
           length += 300000;
           length += (size_t)snprintf(text + length, room - length, "%s", line_end[ends]);
