@@ -259,7 +259,7 @@ conceg_soma_form conceg_swc_cell_soma(const conceg_swc *swc, uint32_t cell, doub
 }
 
 uint64_t conceg_swc_rows(const conceg_swc *swc, conceg_swc_use use) {
-  return (uint32_t)use < CONCEG_SWC_USE_COUNT ? swc->use[use] : 0;
+  return (uint32_t)use < SWC_USES ? swc->use[use] : 0;
 }
 
 int conceg_swc_problem(const conceg_swc *swc, uint32_t index, uint32_t *severity, uint32_t *line,

@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #define SWC_NONE (-1)
+#define SWC_USES 5
 
 /* A row or sample by number: a text of less than 4 GiB has fewer than 2^31 rows. */
 typedef int32_t swc_index;
@@ -102,7 +103,7 @@ struct conceg_swc {
   uint32_t cell_count, soma_count; /* cells without a soma come last: soma_count <= cell_count */
   uint64_t *cell_first;            /* [cell_count + 1], samples */
   swc_sphere *soma;                /* [cell_count] */
-  uint64_t use[CONCEG_SWC_USE_COUNT];
+  uint64_t use[SWC_USES];          /* by conceg_swc_use */
 };
 
 /* Footer rows ("# @n ...") wait here until the ids of the rows are known. */

@@ -101,9 +101,10 @@ static uint32_t merge_somas(conceg_swc *swc) {
       swc_warn(swc, row->line, "W_SOMATA", "another soma (the first is in line %u); read as cell %u",
                swc->row[first].line, ++somata);
     } else
-      swc_error(swc, row->line, "E_SOMATA",
-                "a second soma (the first is in line %u); split the file into one per cell",
-                swc->row[first].line);
+      swc_error(
+          swc, row->line, "E_SOMATA",
+          "a second soma (the first is in line %u); conceg swc repair --somata=split writes a file per cell",
+          swc->row[first].line);
   }
   for (i = 0; i < swc->row_count && copies; i++)
     if (swc->parent[i] >= 0 && swc->merged[swc->parent[i]]) swc->parent[i] = first;

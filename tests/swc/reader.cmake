@@ -7,6 +7,7 @@ target_link_libraries(test_swc_reader_table PRIVATE conceg)
 set(table ${CMAKE_CURRENT_SOURCE_DIR}/reader_table.tsv ${CMAKE_CURRENT_SOURCE_DIR}/fixtures)
 add_test(NAME swc.reader_table COMMAND test_swc_reader_table ${table})
 conceg_test(swc_hostile LABEL swc SOURCES hostile.c LIBRARIES conceg)
+conceg_test(swc_no_memory LABEL swc SOURCES no_memory.c LIBRARIES conceg)
 foreach(name check repair shared peers)
   add_test(NAME swc.${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/check_${name}.sh $<TARGET_FILE_DIR:conceg-bin>
                                     $<TARGET_FILE:test_swc_reader_table> ${table})

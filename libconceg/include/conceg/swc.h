@@ -30,7 +30,7 @@ typedef struct conceg_swc conceg_swc;
  * context's error names the first: file:line: code: text), and *out is still set so that the problems can be
  * listed. Other errors: E_IO, E_NOMEM, E_RANGE (4 GiB and more), E_PARAM (flags). *out is NULL or set, with
  * any status: free it always. Memory: at most 64 bytes per byte of text and 1 MiB, while it reads, for files
- * of seven columns; about 8 bytes per byte for usual ones. Each further column of a row or of the footer
+ * of seven columns; about 3 bytes per byte for usual ones. Each further column of a row or of the footer
  * takes 8 bytes more per row. Objects of one context belong to one thread at a time. */
 CONCEG_API conceg_status conceg_swc_read(conceg_ctx *ctx, const char *path, uint32_t flags,
                                          conceg_swc **out) CONCEG_NODISCARD;
@@ -77,13 +77,12 @@ typedef enum conceg_swc_use {
   CONCEG_SWC_USE_SOMA = 2,
   CONCEG_SWC_USE_COPIES = 3,  /* W_DUP, W_SOMA_DUP */
   CONCEG_SWC_USE_DROPPED = 4, /* by CONCEG_SWC_DROP_FLOATING */
-  CONCEG_SWC_USE_COUNT = 5,
   CONCEG_SWC_USE_MAXIMUM = 0x7fffffff
 } conceg_swc_use;
 CONCEG_API uint64_t conceg_swc_rows(const conceg_swc *swc, conceg_swc_use use);
 
-/* Problems in line order: severity (0 error, 1 warning), line (0 = whole file), code such as "W_ORPHAN",
- * text. 0 past the end. */
+/* Problems in line order: severity (0 error, 1 warning), line (0 = whole file), code such as "W_ORPHAN" (a
+ * constant), text (borrowed). 0 past the end. */
 CONCEG_API int conceg_swc_problem(const conceg_swc *swc, uint32_t index, uint32_t *severity, uint32_t *line,
                                   const char **code, const char **text);
 
