@@ -141,6 +141,12 @@ static conceg_status fail_stage(conceg_ctx *ctx, const conceg_stage *stage, cons
   return conceg_ctx_fail(ctx, CONCEG_E_STAGE, "%s (%s) %s: %s", stage->kind, stage->name, what, line);
 }
 
+/* The same document in another form: its provenance and origins are its own. */
+static int is_restored(const conceg_stage *stage, const conceg_doc *doc) {
+  const uint64_t flags = CONCEG_STAGE_SOURCE | CONCEG_STAGE_RESTORES;
+  return (stage->flags & flags) == flags && conceg_doc_has(doc, "/provenance");
+}
+
 static conceg_status note_written(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc,
                                   const struct origins *origins) {
   uint32_t i;
@@ -150,7 +156,7 @@ static conceg_status note_written(conceg_ctx *ctx, const conceg_stage *stage, co
     conceg_status status;
     snprintf(path, sizeof path, "/%s", group);
     if (!conceg_doc_has(doc, path)) continue;
-    status = origins_write(doc, group, origins);
+    status = is_restored(stage, doc) ? CONCEG_OK : origins_write(doc, group, origins);
     if (status != CONCEG_OK) return status;
     status = conceg_doc_validate(doc, path, NULL, NULL);
     if (status == CONCEG_E_FORMAT) return fail_stage(ctx, stage, "wrote a broken group");
@@ -282,7 +288,7 @@ static conceg_status run_noted(conceg_ctx *ctx, const conceg_stage *stage, conce
   if (status == CONCEG_OK) status = drop_stale(ctx, stage, doc);
   if (status == CONCEG_OK) status = drop_unwanted(stage, doc, params);
   if (status == CONCEG_OK) status = note_written(ctx, stage, doc, origins);
-  if (status == CONCEG_OK) status = provenance_add(ctx, doc, params, input);
+  if (status == CONCEG_OK && !is_restored(stage, doc)) status = provenance_add(ctx, doc, params, input);
   return status;
 }
 
@@ -291,15 +297,19 @@ conceg_status conceg_stage_run(conceg_ctx *ctx, const conceg_stage *stage, conce
   struct origins origins = {NULL, 0};
   struct snapshot before;
   conceg_status status;
+  /* A sink gets the document as it came: it may write a copy of it. */
+  const int is_sink = (stage->flags & CONCEG_STAGE_SINK) != 0;
   before.count = 0;
   conceg_ctx_clear_error(ctx);
   status = check_reads(ctx, stage, doc);
-  if (status == CONCEG_OK && params->recipe_is_new)
+  if (status == CONCEG_OK && params->recipe_is_new && !is_sink)
     status = conceg_doc_write_text(doc, "/recipe", conceg_recipe_text(params->recipe));
   if (status == CONCEG_OK) {
     conceg_ctx_set_seed(ctx, params->seed);
     status = run_noted(ctx, stage, doc, params, &origins, &before);
   }
+  if (status == CONCEG_OK && params->recipe_is_new && is_sink)
+    status = conceg_doc_write_text(doc, "/recipe", conceg_recipe_text(params->recipe));
   origins_free(&origins);
   snapshot_free(&before);
   return status;

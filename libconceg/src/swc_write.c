@@ -62,22 +62,33 @@ static int is_name(const char *name) {
   return p > name;
 }
 
+/* Comment lines of the caller: one line of ASCII each, none that the block of exact values uses. */
+static conceg_status check_lines(conceg_ctx *ctx, const char *path, const char *what,
+                                 const char *const *lines) {
+  uint32_t i;
+  for (i = 0; lines && lines[i]; i++) {
+    const char *p;
+    for (p = lines[i]; *p; p++)
+      if ((unsigned char)*p < 32 || (unsigned char)*p > 126)
+        return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s: %s[%u]: expected one line of ASCII, got byte %u",
+                               path, what, i, (unsigned char)*p);
+    if (!strncmp(lines[i], "@n ", 3) || !strncmp(lines[i], "@begin", 6) || !strncmp(lines[i], "@end", 4))
+      return conceg_ctx_fail(ctx, CONCEG_E_FORMAT, "%s: %s[%u]: '%.12s' opens a footer line; use another key",
+                             path, what, i, lines[i]);
+  }
+  return CONCEG_OK;
+}
+
+static const char *const *footer_of(const conceg_swc_cell *cell) {
+  return cell->size < offsetof(conceg_swc_cell, footer) + sizeof cell->footer ? NULL : cell->footer;
+}
+
 static conceg_status check_text(conceg_ctx *ctx, const char *path, const conceg_swc_cell *cell) {
   static const char *const taken[] = {"x", "y", "z", "radius"};
+  conceg_status status = check_lines(ctx, path, "header", cell->header);
   uint32_t i, k;
-  for (i = 0; cell->header && cell->header[i]; i++) {
-    const char *p;
-    for (p = cell->header[i]; *p; p++)
-      if ((unsigned char)*p < 32 || (unsigned char)*p > 126)
-        return conceg_ctx_fail(ctx, CONCEG_E_FORMAT,
-                               "%s: header[%u]: expected one line of ASCII, got byte %u", path, i,
-                               (unsigned char)*p);
-    if (!strncmp(cell->header[i], "@n ", 3) || !strncmp(cell->header[i], "@begin", 6) ||
-        !strncmp(cell->header[i], "@end", 4))
-      return conceg_ctx_fail(ctx, CONCEG_E_FORMAT,
-                             "%s: header[%u]: '%.12s' opens a footer line; use another key", path, i,
-                             cell->header[i]);
-  }
+  if (status == CONCEG_OK) status = check_lines(ctx, path, "footer", footer_of(cell));
+  if (status != CONCEG_OK) return status;
   for (i = 0; i < cell->column_count; i++) {
     if (!is_name(cell->column_name[i]))
       return conceg_ctx_fail(ctx, CONCEG_E_PARAM,
@@ -201,6 +212,8 @@ static void write_cell(writer *w, const conceg_swc_cell *cell, const uint64_t *o
     write_exact(w, cell, id[order[i]], cell->position + 3 * order[i], cell->radius[order[i]],
                 (int64_t)order[i]);
   put_text(w, "# @end nodes\n");
+  for (c = 0; footer_of(cell) && footer_of(cell)[c]; c++)
+    put_text(w, "# "), put_text(w, footer_of(cell)[c]), put(w, "\n", 1);
 }
 
 /* A new file beside `path`, renamed onto it once it is whole. */
@@ -234,7 +247,7 @@ conceg_status conceg_swc_write(conceg_ctx *ctx, const char *path, const conceg_s
   uint64_t *order;
   int64_t *scratch;
   writer *w;
-  if (cell->size < sizeof *cell)
+  if (cell->size < offsetof(conceg_swc_cell, footer))
     return conceg_ctx_fail(ctx, CONCEG_E_ABI, "conceg_swc_write: expected size %zu, got %u", sizeof *cell,
                            cell->size);
   status = check_text(ctx, path, cell);

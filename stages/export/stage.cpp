@@ -7,6 +7,7 @@
 #include "ply.hpp"
 #include "source.hpp"
 #include "swc.hpp"
+#include "swc_document.hpp"
 #include "vtk.hpp"
 
 #include <string>
@@ -57,7 +58,7 @@ void check_groups(conceg_doc *doc, const Options &options) {
 class Exporter {
 public:
   Exporter(conceg_ctx *ctx, conceg_doc *doc, const Options &options)
-      : ctx_(ctx), options_(options), source_(doc), cells_(source_.select(options.cells)),
+      : ctx_(ctx), doc_(doc), options_(options), source_(doc), cells_(source_.select(options.cells)),
         folder_(options.dir), progress_(progress_of(ctx)) {}
 
   void run() {
@@ -86,13 +87,35 @@ private:
     return options_.wrapped ? split_at_box(tree, source_.box()) : tree;
   }
 
+  // The whole document goes along, unless only a part of the cells, or pieces of them, are written.
   void export_swc() {
+    const bool whole = options_.cells == "all" && !options_.wrapped;
+    swcdoc::Slices slices;
+    char digest[65] = "";
+    if (whole) {
+      slices = swcdoc::slices_of(doc_);
+      must(conceg_doc_digest(doc_, "/", digest));
+      std::string groups;
+      for (const std::string &group : swcdoc::left_out(doc_))
+        groups += (groups.empty() ? "" : ", ") + group;
+      if (!groups.empty())
+        conceg_ctx_log(ctx_, CONCEG_LOG_WARNING,
+                       "export: SWC-plus files carry the document without %s; keep the .cgx file for these",
+                       groups.c_str());
+    }
     for (std::size_t i = 0; i < cells_.size(); i++) {
       report(progress_, "export: SWC", i, cells_.size());
       const Tree tree = tree_of(cells_[i]);
       Written row =
           about(cells_[i], "swc/" + cell_file_name(cells_[i].row, cells_[i].type_name) + ".swc", "skeleton");
-      write_swc(ctx_, folder_.at(row.file), cells_[i], tree, source_.box(), source_.seed(), options_.wrapped);
+      std::vector<std::string> footer;
+      if (whole) footer = swcdoc::cell_lines(doc_, slices, cells_[i].row, digest);
+      if (whole && i == 0) {
+        const std::vector<std::string> more = swcdoc::document_lines(doc_, slices, digest);
+        footer.insert(footer.end(), more.begin(), more.end());
+      }
+      write_swc(ctx_, folder_.at(row.file), cells_[i], tree, source_.box(), source_.seed(), options_.wrapped,
+                footer);
       row.points = tree.size();
       folder_.add(std::move(row));
     }
@@ -185,6 +208,7 @@ private:
   }
 
   conceg_ctx *ctx_;
+  conceg_doc *doc_;
   const Options &options_;
   Source source_;
   std::vector<Cell> cells_;

@@ -6,6 +6,7 @@
 #include "guard.hpp"
 
 #include <cstdio>
+#include <numeric>
 
 namespace conceg::exporting {
 namespace {
@@ -32,7 +33,8 @@ std::string header_json(const Cell &cell, const conceg_box &box, std::uint64_t s
 } // namespace
 
 void write_swc(conceg_ctx *ctx, const std::string &path, const Cell &cell, const Tree &tree,
-               const conceg_box &box, std::uint64_t seed, bool wrapped) {
+               const conceg_box &box, std::uint64_t seed, bool wrapped,
+               const std::vector<std::string> &footer) {
   // Pieces that were cut at the box must not be joined to the soma.
   std::vector<std::int64_t> parent = tree.parent;
   for (std::size_t i = 0; i < parent.size(); i++)
@@ -47,6 +49,13 @@ void write_swc(conceg_ctx *ctx, const std::string &path, const Cell &cell, const
   };
   add("target_radius", tree.target_radius), add("bar", tree.bar), add("branch", tree.branch),
       add("tree", tree.tree), add("status", tree.status);
+  std::vector<double> row(footer.empty() ? 0 : tree.size());
+  std::iota(row.begin(), row.end(), 0.0); // the file is in preorder; this is the order of the document
+  add("row", row);
+  std::vector<const char *> lines;
+  for (const std::string &line : footer)
+    lines.push_back(line.c_str());
+  lines.push_back(nullptr);
 
   conceg_swc_cell out = {};
   out.size = sizeof out;
@@ -59,6 +68,7 @@ void write_swc(conceg_ctx *ctx, const std::string &path, const Cell &cell, const
     out.soma[axis] = cell.soma[axis];
   out.soma_radius = cell.soma_radius;
   out.header = header;
+  out.footer = lines.data();
   out.column_count = static_cast<std::uint32_t>(names.size());
   out.column_name = names.data();
   out.column = columns.data();

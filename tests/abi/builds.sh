@@ -6,7 +6,7 @@
 #   clang      everything by clang 14, warnings as errors, and its unit tests
 set -eu
 source=$1 folder=$2 kind=$3
-stages="CHARACTERISE PLACE TRIANGULATE GROW RELAX MESH ANALYSE EXPORT RENDER"
+stages="CHARACTERISE IMPORT PLACE TRIANGULATE GROW RELAX MESH ANALYSE EXPORT RENDER"
 without() { for stage; do printf -- '-DCONCEG_STAGE_%s=OFF ' "$stage"; done; }
 case $kind in
   bare) options="-DCONCEG_TESTS=OFF $(without $stages)" ;;

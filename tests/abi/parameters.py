@@ -31,6 +31,7 @@ instead = {
     "analyse.field_step_um": ("1", "the lower bound is the default, the upper one is wider than a cell"),
     "render.samples": ("1", "the upper bound takes a minute"),
     "render.size_px": ("64", "the upper bound takes a minute"),
+    "import.margin_um": ("7", "the upper bound is wider than any tissue"),
     "characterise.astrocyte_donors": ("3", "the upper bound makes a large table"),
 }
 # The same bytes are demanded.
@@ -104,6 +105,7 @@ class Parameters:
         recipe.write_text((self.source / "tests/pipe/small.yaml").read_text().replace("[28, 28, 28]", "[20, 20, 20]").replace("1.4e-4", "2.6e-4"))
         self.must("run", recipe, "--until", until, "--set", "mesh.h_um=0.6", "-q", "--checkpoint", work / "made", "-o", work / "mesh.cgx")
         (work / "cell.swc").write_text(cell)
+        (work / "loose-trees.swc").write_text(cell + "16 3 50 0 0 0.4 -1\n17 3 55 0 0 0.4 16\n")
         (work / "loose.swc").write_text(cell.replace("2 4 0 0 5 1 1", "2.0 4 0 0 5 1 1"))
         columns = "file,entry,class,donor_id,fold,frame,soma_radius_um,axon,note\n"
         (work / "two.csv").write_text(columns + "cell.swc,two,interneuron,,0,-y,,full,\n")
@@ -112,14 +114,14 @@ class Parameters:
         self.inputs = {
             "place": ["-p", recipe], "triangulate": [made / "01-place.cgx"], "grow": [made / "02-triangulate.cgx"], "relax": [made / "03-grow.cgx"],
             "mesh": [made / "04-relax.cgx"], "analyse": [work / "mesh.cgx"], "export": [work / "mesh.cgx"], "render": [work / "mesh.cgx"],
-            "characterise": [work / "cell.swc"],
+            "characterise": [work / "cell.swc"], "import": ["swc", work / "loose-trees.swc"],
         }
 
     def words_of(self, stage, name):
         if stage == "characterise" and name.startswith("astrocyte"):
             return ["--table", self.work / "glia.csv"]
-        if stage == "characterise" and name == "strict":
-            return [self.work / "loose.swc"]
+        if name == "strict":
+            return [*(["swc"] if stage == "import" else []), self.work / "loose.swc"]
         if stage == "characterise" and name == "table":
             return []
         return self.inputs[stage]

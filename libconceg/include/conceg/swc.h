@@ -115,6 +115,8 @@ typedef struct conceg_swc_cell {
       *header; /* NULL-terminated lines without the leading "# ", e.g. "@conceg {...}" ; may be NULL */
   const char *const *column_name; /* [column_count] */
   const double *const *column;    /* [column_count][count], written as exact hex floats in the footer */
+  const char *const *footer; /* as `header`, but after the rows, for what is long; may be NULL. A caller whose
+                                `size` ends before it has none */
 } conceg_swc_cell;
 
 /* Writes SWC-plus: one cell, whole or not at all. Errors: E_IO, E_RANGE (radius <= 0, not finite), E_FORMAT

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The SWC files of a document: which ones, read, with their blocks.
+#pragma once
+
+#include "guard.hpp"
+#include "swc_document.hpp"
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace conceg::importing {
+
+struct FreeSwc {
+  void operator()(conceg_swc *swc) const { conceg_swc_free(swc); }
+};
+
+struct SwcFile {
+  std::string path;
+  std::unique_ptr<conceg_swc, FreeSwc> swc;
+  swcdoc::Blocks blocks;
+  bool stale = false; // a column that was edited contradicts its exact value
+};
+
+// All *.swc below the folders named, and the files named; by name. E_MISSING when there is none.
+std::vector<std::string> find_files(const std::vector<std::string> &names);
+
+// Reads them; warnings go to the log, at most ten a file. E_FORMAT names the file and the line.
+std::vector<SwcFile> read_files(conceg_ctx *ctx, const std::vector<std::string> &paths, std::uint32_t flags);
+
+// The document that the files carry, as it was. Cells that were edited keep the edit, and what depends on
+// them is left out. All files must have blocks of one document.
+void restore_document(conceg_ctx *ctx, conceg_doc *doc, std::vector<SwcFile> &files);
+
+struct ForeignOptions {
+  std::string cell_class; // empty: by the file
+  double margin_um = 0.0, radius_min_um = 0.0;
+};
+// A new document of plain SWC files: a box around them, a type per class, cells and skeletons.
+void make_document(conceg_ctx *ctx, conceg_doc *doc, const std::vector<SwcFile> &files,
+                   const ForeignOptions &options);
+
+} // namespace conceg::importing
