@@ -9,6 +9,8 @@
 #include <unistd.h>
 
 #define LIFT_LIMIT 32767
+/* What an image takes: itself, and its share of Embree's tree while that is built, as measured. */
+#define IMAGE_BYTES 128
 
 static float round_down(double x) {
   const float y = (float)x;
@@ -42,10 +44,13 @@ static int64_t face_lifts(const conceg_query *query, const query_surface *surfac
   for (axis = 0; axis < 3; axis++) {
     double low = INFINITY, high = -INFINITY;
     lo[axis] = hi[axis] = 0;
-    if (!query->box.periodic[axis]) continue;
     for (k = 0; k < 3; k++) {
       const double x = surface->vertex[3 * (uint64_t)surface->face[3 * face + k] + axis];
       low = fmin(low, x), high = fmax(high, x);
+    }
+    if (!query->box.periodic[axis]) {
+      if (!(low > -OPEN_AXIS_UM && high < OPEN_AXIS_UM)) return -1;
+      continue;
     }
     const double side = conceg_box_side(&query->box, axis);
     const double from = ceil((query->box.lo[axis] - query->margin - high) / side);
@@ -67,10 +72,11 @@ static conceg_status list_images(conceg_ctx *ctx, const conceg_query *query, tri
     for (f = 0; f < surface->face_count; f++) {
       const int64_t more = face_lifts(query, surface, f, lo, hi);
       if (more < 0)
-        return conceg_ctx_fail(
-            ctx, CONCEG_E_RANGE,
-            "query: /meshes: expected surfaces within %d box sides, got face %llu of surface %llu",
-            LIFT_LIMIT, (unsigned long long)f, (unsigned long long)s);
+        return conceg_ctx_fail(ctx, CONCEG_E_RANGE,
+                               "query: /meshes: expected surfaces within %d box sides, or %g um on an open "
+                               "axis, got face %llu of surface "
+                               "%llu beyond",
+                               LIFT_LIMIT, OPEN_AXIS_UM, (unsigned long long)f, (unsigned long long)s);
       if (!images) {
         total += (uint64_t)more;
         continue;
@@ -119,6 +125,10 @@ static void measure(conceg_query *query) {
   }
   query->margin = 16.0 * FLT_EPSILON * fmax(size, 1.0);
   query->reach = sqrt(reach2) * (1.0 + 1e-9) + query->margin;
+  query->longest = OPEN_AXIS_UM;
+  for (axis = 0; axis < 3; axis++)
+    if (query->box.periodic[axis])
+      query->longest = fmin(query->longest, RAY_SIDES * conceg_box_side(&query->box, axis));
 }
 
 static void image_bounds(const struct RTCBoundsFunctionArguments *arguments) {
@@ -142,8 +152,9 @@ static void image_bounds(const struct RTCBoundsFunctionArguments *arguments) {
 typedef struct traversal {
   struct RTCIntersectContext context;
   query_ray ray;
-  double from, to; /* um along the ray: what may be hit */
-  double start;    /* um along the ray: where Embree's float ray begins */
+  double from, to;        /* um along the ray: what may be hit */
+  double start;           /* um along the ray: where Embree's float ray begins */
+  const scene_hit *after; /* hits up to this one are passed over; NULL = none */
   scene_hit *first, *second;
 } traversal;
 
@@ -173,6 +184,7 @@ static void image_intersect(const struct RTCIntersectFunctionNArguments *argumen
   hit.distance = distance;
   hit.image = arguments->primID;
   hit.order = query->surfaces[image->surface].first_face + image->face;
+  if (walk->after && !nearer(walk->after, &hit)) return;
   if (nearer(&hit, walk->first)) {
     *walk->second = *walk->first;
     *walk->first = hit;
@@ -192,6 +204,12 @@ static conceg_status make_images(conceg_ctx *ctx, conceg_query *query) {
     return conceg_ctx_fail(ctx, CONCEG_E_UNSUPPORTED,
                            "query: /meshes: expected fewer than 4294967295 triangles in the box, got %llu",
                            (unsigned long long)query->image_count);
+  if (query->image_count > conceg_ctx_memory(ctx) / IMAGE_BYTES)
+    return conceg_ctx_fail(
+        ctx, CONCEG_E_NOMEM,
+        "query: /meshes: expected triangles and periodic images that fit into the context's %llu "
+        "bytes of memory, got %llu of them",
+        (unsigned long long)conceg_ctx_memory(ctx), (unsigned long long)query->image_count);
   query->images = malloc(sizeof *query->images * (query->image_count ? query->image_count : 1));
   if (!query->images)
     return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "query: out of memory for %llu triangles",
@@ -274,7 +292,7 @@ static void trace_segment(const conceg_query *query, traversal *walk, double fro
 }
 
 void query_scene_trace(const conceg_query *query, const double origin[3], const double direction[3],
-                       double length, scene_hit *first, scene_hit *second) {
+                       double length, const scene_hit *after, scene_hit *first, scene_hit *second) {
   double wrapped[3], shifted[3], entered = 0.0;
   int64_t crossed[3] = {0, 0, 0};
   traversal walk;
@@ -283,7 +301,7 @@ void query_scene_trace(const conceg_query *query, const double origin[3], const 
   first->order = second->order = UINT64_MAX;
   first->image = second->image = UINT32_MAX;
   rtcInitIntersectContext(&walk.context);
-  walk.first = first, walk.second = second;
+  walk.after = after, walk.first = first, walk.second = second;
   for (axis = 0; axis < 3; axis++)
     wrapped[axis] = shifted[axis] = conceg_box_wrap(&query->box, axis, origin[axis]);
   for (;;) {
@@ -298,7 +316,8 @@ void query_scene_trace(const conceg_query *query, const double origin[3], const 
     }
     query_ray_set(&walk.ray, shifted, direction);
     /* Widened by the margin, so that a face lying in a side of the box is found on either side of it. */
-    walk.from = fmax(0.0, entered - query->margin), walk.to = fmin(length, left + query->margin);
+    walk.from = fmax(after ? after->distance : 0.0, entered - query->margin),
+    walk.to = fmin(length, left + query->margin);
     if (walk.to >= walk.from) trace_segment(query, &walk, walk.from, walk.to);
     if (first->image != UINT32_MAX || through < 0 || left >= length) break;
     crossed[through] += direction[through] > 0.0 ? 1 : -1;

@@ -37,6 +37,8 @@ struct conceg_query {
   double centre[3]; /* Embree sees coordinates relative to it */
   double margin;    /* um by which Embree's bounds are widened: above every rounding of its floats */
   double reach;     /* um: no surface is longer, so a ray of this length from inside a cell leaves the cell */
+  double longest;   /* um: rays beyond this are refused, see RAY_SIDES */
+  uint8_t *enclosed; /* per face: its piece of surface lies inside another cell; NULL = none does */
   RTCDevice device;
   RTCScene scene;
 };
@@ -50,11 +52,31 @@ typedef struct scene_hit {
   double normal[3]; /* outward, unit */
 } scene_hit;
 
+/* A ray walks from box to box, so its time grows with the sides it crosses. */
+#define RAY_SIDES 1e6
+/* Coordinates on an open axis (um): the squares of their differences stay finite, their roundings below 1 nm.
+ */
+#define OPEN_AXIS_UM 1e12
+
+/* Decisions closer than this, or at a flatter angle, are left to another direction. */
+#define TIE_UM 1e-9
+#define GRAZING_COSINE 1e-4
+
 /* Fills images and the Embree scene of a query whose box and surfaces are set. */
 conceg_status query_scene_build(conceg_ctx *ctx, conceg_query *query);
 
-/* The two nearest hits of the ray within [0, length], over all periodic images. */
+/* The two nearest hits of the ray within [0, length], over all periodic images; only those behind `after`, in
+ * the order of distance and face, when it is not NULL. */
 void query_scene_trace(const conceg_query *query, const double origin[3], const double direction[3],
-                       double length, scene_hit *first, scene_hit *second);
+                       double length, const scene_hit *after, scene_hit *first, scene_hit *second);
+
+/* Follows the ray from hit to hit until it leaves a cell that it did not enter: the innermost cell that holds
+ * the origin. hit->image is UINT32_MAX when there is none. Hits of the face `own` at the origin are passed
+ * over (UINT64_MAX: none). Returns 0 when a hit was too close to another one, or too flat, to be sure. */
+int query_enclosing(const conceg_query *query, const double origin[3], const double direction[3],
+                    uint64_t own, scene_hit *hit);
+
+/* Fills `enclosed` of a query whose scene is built. */
+conceg_status query_find_enclosed(conceg_ctx *ctx, conceg_query *query);
 
 #endif
