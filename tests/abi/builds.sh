@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # Other builds of the same sources.  builds.sh SOURCE FOLDER KIND
-#   bare       the library and the programs without any stage, so without any C++ library
+#   bare       the libraries and the programs without any stage and without Embree, so without any C++ library
 #   sanitized  library, programs and the stages that need no CGAL, VTK or OpenVDB, under ASan and UBSan: their tests
 #   clang      everything by clang 14, warnings as errors, and its unit tests
 set -eu
@@ -9,7 +9,7 @@ source=$1 folder=$2 kind=$3
 stages="CHARACTERISE IMPORT PLACE TRIANGULATE GROW RELAX MESH ANALYSE EXPORT RENDER"
 without() { for stage; do printf -- '-DCONCEG_STAGE_%s=OFF ' "$stage"; done; }
 case $kind in
-  bare) options="-DCONCEG_TESTS=OFF $(without $stages)" ;;
+  bare) options="-DCONCEG_TESTS=OFF -DCONCEG_QUERY=OFF $(without $stages)" ;;
   sanitized) options="-DCMAKE_BUILD_TYPE=RelWithDebInfo -DCONCEG_SANITIZE=address,undefined $(without TRIANGULATE MESH EXPORT RENDER)" ;;
   clang)
     command -v clang++-14 >/dev/null 2>&1 || { echo "SKIPPED: no clang 14: the sources are not built by it"; exit 77; }
@@ -20,7 +20,11 @@ ninja -C "$folder" >"$folder.log" 2>&1 || { grep -A 8 'error\|FAILED' "$folder.l
 "$folder/bin/conceg" --version >/dev/null
 case $kind in
   bare)
-    if ldd "$folder/bin/conceg" | grep -E 'stdc\+\+|CGAL|vtk|openvdb|embree'; then echo "a C++ library is linked"; exit 1; fi
+    if ldd "$folder/bin/conceg" "$folder/lib/libconceg_query.so" | grep -E 'stdc\+\+|CGAL|vtk|openvdb|embree'; then echo "a C++ library is linked"; exit 1; fi
+    # A program of a simulator's author links, and is told what is missing.
+    ${CC:-cc} -std=c11 -I"$source/libconceg/include" -I"$source/tests" "$source/libconceg/query/tests/absent.c" -o "$folder/absent" \
+      -L"$folder/lib" -lconceg_query -lconceg -lm -Wl,-rpath,"$folder/lib"
+    "$folder/absent"
     "$folder/bin/conceg" stages ;;
   *) ctest --test-dir "$folder" -L unit --no-tests=error --output-on-failure ;;
 esac

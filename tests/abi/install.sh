@@ -15,6 +15,14 @@ expect 0 "" conceg version
 expect 0 "" conceg help run
 library=$(dirname "$(find "$at" -name libconceg.so)")
 expect_true "there is a folder of plugins" test -d "$library/conceg/plugins"
+expect_true "the libraries find each other by themselves" sh -c "ldd '$library/libconceg_query.so' | grep -q 'libconceg.so.0 => $library/'"
+expect_true "no static library is installed" sh -c "test -z \"\$(find '$at' -name '*.a')\""
+expect_true "nothing installed names the folders of the build" sh -c "! grep -rlF -e '$build/' --include='*.cmake' --include='*.pc' '$at'"
+
+# DESTDIR puts the same files under another root, for packagers.
+DESTDIR=$t/root cmake --install "$build" --prefix /opt/conceg > "$t/log" 2>&1 || { cat "$t/log"; exit 1; }
+expect_true "DESTDIR gives the same files" sh -c "(cd '$at' && find . | sort) > '$t/a' && (cd '$t/root/opt/conceg' && find . | sort) > '$t/b' && cmp '$t/a' '$t/b'"
+expect 0 "" "$t/root/opt/conceg/bin/conceg" version
 
 # The template against the install, put where the install looks.
 cmake -S "$source/stages/template" -B "$t/built" -DCMAKE_PREFIX_PATH="$at" -DCMAKE_C_COMPILER="$cc" > "$t/log" 2>&1 &&
