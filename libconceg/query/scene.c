@@ -10,7 +10,7 @@
 
 #define LIFT_LIMIT 32767
 /* What an image takes: itself, and its share of Embree's tree while that is built, as measured. */
-#define IMAGE_BYTES 128
+#define IMAGE_BYTES 160
 
 static float round_down(double x) {
   const float y = (float)x;
