@@ -222,6 +222,12 @@ conceg_status query_scene_build(conceg_ctx *ctx, conceg_query *query) {
   RTCGeometry geometry;
   enum RTCError error;
   conceg_status status;
+  int axis;
+  for (axis = 0; axis < 3; axis++)
+    if (!(conceg_box_side(&query->box, axis) < OPEN_AXIS_UM))
+      return conceg_ctx_fail(ctx, CONCEG_E_RANGE,
+                             "query: /domain@hi[%d]: expected a box narrower than %g um, got %g", axis,
+                             OPEN_AXIS_UM, conceg_box_side(&query->box, axis));
   measure(query);
   status = make_images(ctx, query);
   if (status != CONCEG_OK) return status;

@@ -17,9 +17,9 @@ CONCEG_BEGIN_C
 typedef struct conceg_query conceg_query;
 
 /* Builds the search structure; the substrate is borrowed and must outlive the query. Errors: E_MISSING (no
- * meshes), E_RANGE (a face further than 32767 box sides away, or 1e12 um on an open axis), E_NOMEM (also when
- * faces repeat so often that they pass conceg_ctx_memory), E_UNSUPPORTED (2^32 faces or more; no Embree),
- * E_USAGE (NULL). */
+ * meshes), E_RANGE (a face further than 32767 box sides away, or 1e12 um on an open axis; a box as wide),
+ * E_NOMEM (also when faces repeat so often that they pass conceg_ctx_memory), E_UNSUPPORTED (2^32 faces or
+ * more; no Embree), E_USAGE (NULL). */
 CONCEG_API conceg_status conceg_query_new(conceg_ctx *ctx, const conceg_substrate *substrate,
                                           conceg_query **out) CONCEG_NODISCARD;
 CONCEG_API void conceg_query_free(conceg_query *query);
