@@ -8,10 +8,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define OPEN_CELLS 32 /* entered and not yet left along one ray: cells nest less deep */
-#define START_UM 1e-6 /* rays from a face begin this far behind it, so that one that touches it is seen too  \
-                       */
-#define TRIES 16      /* faces of a piece that are tried until one gives a sure answer */
+/* Cells entered and not yet left along one ray: cells nest less deep. */
+#define OPEN_CELLS 32
+/* Faces of a piece that are tried until one gives a sure answer. */
+#define TRIES 16
+/* Rays from a face begin this far behind it (um), so that a face that touches it is seen too. */
+#define START_UM 1e-6
 
 static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
