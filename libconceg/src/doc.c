@@ -22,7 +22,7 @@ static conceg_status make_empty(conceg_ctx *ctx, conceg_doc **out) {
   doc->schema = ctx_schema(ctx);
   if (!doc->schema) {
     free(doc);
-    return CONCEG_E_INTERNAL;
+    return out_of_memory(ctx);
   }
   doc->root = entry_new(ENTRY_GROUP, NULL, "", 0, doc->schema);
   if (!doc->root) {

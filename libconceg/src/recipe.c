@@ -15,6 +15,8 @@ conceg_status fail_node(conceg_ctx *ctx, conceg_status status, const conceg_node
   return conceg_ctx_fail(ctx, status, "%s: %s", node_file(node), line);
 }
 
+static const char short_of_memory[] = "out of memory";
+
 static conceg_status no_memory(conceg_ctx *ctx) {
   return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "recipe: out of memory");
 }
@@ -153,7 +155,7 @@ static conceg_node *step_into(conceg_node *map, const char *word, const char **p
   if (child && child->kind == NODE_MAP) return child;
   if (child && !node_is_null(child)) return *problem = "a key on the path holds a value, not keys", NULL;
   child = node_new(NODE_MAP, 0);
-  if (!child || !node_put(map, name, child)) return *problem = "out of memory", NULL;
+  if (!child || !node_put(map, name, child)) return *problem = short_of_memory, NULL;
   return child;
 }
 
@@ -176,7 +178,7 @@ static const char *put_at(conceg_node *root, char *path, conceg_node *value) {
     node_free(value);
     return NULL;
   }
-  return node_put(map, word, value) ? NULL : "out of memory";
+  return node_put(map, word, value) ? NULL : short_of_memory;
 }
 
 static conceg_status parse_value(conceg_ctx *ctx, const char *text, conceg_node **out) {
@@ -212,7 +214,8 @@ conceg_status conceg_recipe_set(conceg_ctx *ctx, conceg_recipe *recipe, const ch
   }
   problem = put_at(recipe->root, path, value);
   if (problem)
-    status = conceg_ctx_fail(ctx, CONCEG_E_PARAM, "--set %.80s: %s", assignment, problem);
+    status = conceg_ctx_fail(ctx, problem == short_of_memory ? CONCEG_E_NOMEM : CONCEG_E_PARAM, "--set %.80s: %s",
+                             assignment, problem);
   else
     status = recipe_check(ctx, recipe->root);
   if (status != CONCEG_OK) {

@@ -292,6 +292,12 @@ static conceg_status run_noted(conceg_ctx *ctx, const conceg_stage *stage, conce
   return status;
 }
 
+static conceg_status write_recipe(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
+  const char *text = conceg_recipe_text(params->recipe);
+  if (!text) return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "recipe: out of memory");
+  return conceg_doc_write_text(doc, "/recipe", text);
+}
+
 conceg_status conceg_stage_run(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc,
                                const conceg_params *params) {
   struct origins origins = {NULL, 0};
@@ -302,14 +308,12 @@ conceg_status conceg_stage_run(conceg_ctx *ctx, const conceg_stage *stage, conce
   before.count = 0;
   conceg_ctx_clear_error(ctx);
   status = check_reads(ctx, stage, doc);
-  if (status == CONCEG_OK && params->recipe_is_new && !is_sink)
-    status = conceg_doc_write_text(doc, "/recipe", conceg_recipe_text(params->recipe));
+  if (status == CONCEG_OK && params->recipe_is_new && !is_sink) status = write_recipe(ctx, doc, params);
   if (status == CONCEG_OK) {
     conceg_ctx_set_seed(ctx, params->seed);
     status = run_noted(ctx, stage, doc, params, &origins, &before);
   }
-  if (status == CONCEG_OK && params->recipe_is_new && is_sink)
-    status = conceg_doc_write_text(doc, "/recipe", conceg_recipe_text(params->recipe));
+  if (status == CONCEG_OK && params->recipe_is_new && is_sink) status = write_recipe(ctx, doc, params);
   origins_free(&origins);
   snapshot_free(&before);
   return status;
