@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Bytes as a document: opened, read, validated, digested, written again. What is written must open and hold the same. */
+ * Bytes as a document: opened, read, validated, digested, written again. What is written must open and hold
+ * the same. */
 #include "fuzz.h"
 
 static void read_all(conceg_doc *doc, const char *group, int depth) {
@@ -28,7 +29,9 @@ static void write_again(conceg_ctx *ctx, conceg_doc *doc) {
   void *bytes = NULL;
   size_t count = 0;
   conceg_doc *again = NULL;
-  if (conceg_doc_digest(doc, "/", before) != CONCEG_OK || conceg_doc_to_memory(doc, &bytes, &count) != CONCEG_OK) return;
+  if (conceg_doc_digest(doc, "/", before) != CONCEG_OK ||
+      conceg_doc_to_memory(doc, &bytes, &count) != CONCEG_OK)
+    return;
   DEMAND(conceg_doc_from_memory(ctx, bytes, count, &again) == CONCEG_OK);
   DEMAND(conceg_doc_digest(again, "/", after) == CONCEG_OK);
   DEMAND(!strcmp(before, after));
@@ -53,7 +56,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   if (conceg_substrate_open(doc, &substrate) == CONCEG_OK)
     for (uint64_t i = 0; i < conceg_substrate_cells(substrate) && i < 100; i++) {
       conceg_skeleton_view view = {.size = sizeof view};
-      if (conceg_substrate_skeleton(substrate, i, &view) == CONCEG_OK && view.count) DEMAND(view.position != NULL);
+      if (conceg_substrate_skeleton(substrate, i, &view) == CONCEG_OK && view.count)
+        DEMAND(view.position != NULL);
     }
   conceg_substrate_free(substrate);
   write_again(ctx, doc);

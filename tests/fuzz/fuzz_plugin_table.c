@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Bytes as a stage's descriptor and table of parameters, and as values for it. What the host accepts must behave. */
+ * Bytes as a stage's descriptor and table of parameters, and as values for it. What the host accepts must
+ * behave. */
 #include "fuzz.h"
 
 #include "plugin.h"
@@ -19,7 +20,8 @@ static uint8_t next(struct bytes *bytes) {
 
 /* One of a few texts, or some bytes as text; borrowed from `store`. */
 static const char *next_text(struct bytes *bytes, char store[24]) {
-  static const char *const known[] = {"", "a", "step_um", "0.5", "7", "true", "a|b", "/cells", "cells", "1e999", "-3", "nan"};
+  static const char *const known[] = {"",    "a",      "step_um", "0.5",   "7",  "true",
+                                      "a|b", "/cells", "cells",   "1e999", "-3", "nan"};
   const unsigned pick = next(bytes);
   size_t i;
   if (pick == 255) return NULL;
@@ -68,7 +70,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   for (unsigned i = 0; i < rows; i++) {
     table[i].name = next_text(&bytes, store[i][0]), table[i].unit = next_text(&bytes, store[i][1]);
     table[i].fallback = next_text(&bytes, store[i][2]), table[i].choices = next_text(&bytes, store[i][3]);
-    table[i].type = (int32_t)(next(&bytes) % 9u) - 1, table[i].lo = next_number(&bytes), table[i].hi = next_number(&bytes);
+    table[i].type = (int32_t)(next(&bytes) % 9u) - 1, table[i].lo = next_number(&bytes),
+    table[i].hi = next_number(&bytes);
   }
   for (unsigned i = 0; i < 3; i++)
     groups[i] = next_text(&bytes, extra[i]);
@@ -82,11 +85,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     DEMAND(*conceg_ctx_error(ctx));
     return 0;
   }
-  snprintf(assignment, sizeof assignment, "relax.%s=%s", rows && table[0].name ? table[0].name : "a", next_text(&bytes, value) ? value : "");
+  snprintf(assignment, sizeof assignment, "relax.%s=%s", rows && table[0].name ? table[0].name : "a",
+           next_text(&bytes, value) ? value : "");
   const char *const sets[] = {assignment, NULL};
-  if (conceg_params_new(ctx, &stage, NULL, NULL, sets, NULL, &params) == CONCEG_OK) ask_for_all(&stage, params);
+  if (conceg_params_new(ctx, &stage, NULL, NULL, sets, NULL, &params) == CONCEG_OK)
+    ask_for_all(&stage, params);
   conceg_params_free(params);
-  DEMAND(conceg_params_new(ctx, &stage, NULL, NULL, NULL, NULL, &params) == CONCEG_OK); /* the defaults of an accepted table fit */
+  DEMAND(conceg_params_new(ctx, &stage, NULL, NULL, NULL, NULL, &params) ==
+         CONCEG_OK); /* the defaults of an accepted table fit */
   ask_for_all(&stage, params);
   conceg_params_free(params);
   return 0;

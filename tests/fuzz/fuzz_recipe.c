@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Bytes as a recipe. Its canonical text is a recipe with the same canonical text; --set with parts of the bytes never breaks it. */
+ * Bytes as a recipe. Its canonical text is a recipe with the same canonical text; --set with parts of the
+ * bytes never breaks it. */
 #include "fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Bytes as an SWC file, by all flags. The samples keep what the header promises, and what is accepted can be written and gives the
- * same samples again. */
+ * Bytes as an SWC file, by all flags. The samples keep what the header promises, and what is accepted can be
+ * written and gives the same samples again. */
 #include "fuzz.h"
 
 #include <math.h>
@@ -19,7 +19,10 @@ static void check_samples(const conceg_swc *swc) {
 static void write_again(conceg_ctx *ctx, const conceg_swc *swc) {
   static char path[64];
   const uint64_t count = conceg_swc_count(swc);
-  conceg_swc_cell cell = {.size = sizeof cell, .count = count, .position = conceg_swc_position(swc), .radius = conceg_swc_radius(swc)};
+  conceg_swc_cell cell = {.size = sizeof cell,
+                          .count = count,
+                          .position = conceg_swc_position(swc),
+                          .radius = conceg_swc_radius(swc)};
   uint8_t *kind = malloc(count + 1);
   int64_t *parent = malloc((count + 1) * sizeof *parent);
   conceg_swc *again = NULL;
@@ -28,7 +31,8 @@ static void write_again(conceg_ctx *ctx, const conceg_swc *swc) {
   for (uint64_t i = 0; i < count; i++) {
     const int32_t code = conceg_swc_kind(swc)[i];
     kind[i] = (uint8_t)(code == 2 || code == 4 || code == 7 ? code : 3);
-    parent[i] = conceg_swc_parent(swc)[i] < 0 && !conceg_swc_on_soma(swc)[i] ? CONCEG_SWC_FLOATING : conceg_swc_parent(swc)[i];
+    parent[i] = conceg_swc_parent(swc)[i] < 0 && !conceg_swc_on_soma(swc)[i] ? CONCEG_SWC_FLOATING
+                                                                             : conceg_swc_parent(swc)[i];
   }
   cell.kind = kind, cell.parent = parent;
   if (conceg_swc_soma(swc, cell.soma, &cell.soma_radius) == CONCEG_SOMA_NONE) cell.soma_radius = 0;
@@ -47,7 +51,8 @@ static void write_again(conceg_ctx *ctx, const conceg_swc *swc) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-  static const uint32_t flags[] = {0, CONCEG_SWC_STRICT, CONCEG_SWC_SPLIT | CONCEG_SWC_DROP_FLOATING, CONCEG_SWC_SPLIT | CONCEG_SWC_ATTACH_FLOATING};
+  static const uint32_t flags[] = {0, CONCEG_SWC_STRICT, CONCEG_SWC_SPLIT | CONCEG_SWC_DROP_FLOATING,
+                                   CONCEG_SWC_SPLIT | CONCEG_SWC_ATTACH_FLOATING};
   conceg_ctx *ctx = fuzz_ctx();
   planted_bug(data, size);
   for (size_t f = 0; f < sizeof flags / sizeof *flags; f++) {

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Seeds of the document target: small documents, each a step richer, in the canonical form and in the oldest form of HDF5, whose
- * metadata has no checksums, so that damage gets past the door.  make_seeds FOLDER */
+ * Seeds of the document target: small documents, each a step richer, in the canonical form and in the oldest
+ * form of HDF5, whose metadata has no checksums, so that damage gets past the door.  make_seeds FOLDER */
 #include "../unit/sample.h"
 
 #include <hdf5.h>
 
 static herr_t copy_attribute(hid_t from, const char *name, const H5A_info_t *info, void *user) {
-  const hid_t to = *(const hid_t *)user, source = H5Aopen(from, name, H5P_DEFAULT), type = H5Aget_type(source), space = H5Aget_space(source),
+  const hid_t to = *(const hid_t *)user, source = H5Aopen(from, name, H5P_DEFAULT),
+              type = H5Aget_type(source), space = H5Aget_space(source),
               target = H5Acreate2(to, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
   char bytes[4096];
   (void)info;
-  CHECK(H5Aget_storage_size(source) < sizeof bytes && H5Aread(source, type, bytes) >= 0 && H5Awrite(target, type, bytes) >= 0);
+  CHECK(H5Aget_storage_size(source) < sizeof bytes && H5Aread(source, type, bytes) >= 0 &&
+        H5Awrite(target, type, bytes) >= 0);
   H5Aclose(target), H5Aclose(source), H5Tclose(type), H5Sclose(space);
   return 0;
 }
@@ -22,7 +24,8 @@ static herr_t copy_object(hid_t from, const char *name, const H5L_info_t *info, 
 
 /* The same content with a superblock of version 0, old groups, and one compressed array. */
 static void save_old(const char *path, const char *old) {
-  const hid_t from = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), to = H5Fcreate(old, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t from = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT),
+              to = H5Fcreate(old, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
   const hsize_t count = 64, chunk = 16;
   hsize_t at = 0;
   float values[64] = {1, 2, 3};

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * Memory that runs out at any moment, all over libconceg: each scenario is run with its first, second, ... allocation
- * failing until none is left to fail. Only allocations that libconceg itself asks for are failed (by the address that the
- * call returns to; strdup counts as the caller's), not those of HDF5 and libyaml. Each failure is E_NOMEM, nothing crashes,
- * nothing is lost, and the document is what it was.  no_memory [each] */
+ * Memory that runs out at any moment, all over libconceg: each scenario is run with its first, second, ...
+ * allocation failing until none is left to fail. Only allocations that libconceg itself asks for are failed
+ * (by the address that the call returns to; strdup counts as the caller's), not those of HDF5 and libyaml.
+ * Each failure is E_NOMEM, nothing crashes, nothing is lost, and the document is what it was.  no_memory
+ * [each] */
 #define _GNU_SOURCE
 #include "../unit/sample.h"
 
@@ -17,7 +18,7 @@ int main(void) {
 #include <dlfcn.h>
 #include <stdarg.h>
 
-static long countdown; /* allocations of libconceg until the one that fails; 0 = none does */
+static long countdown;   /* allocations of libconceg until the one that fails; 0 = none does */
 static long failed_from; /* the number that failed; 0 = none yet */
 static long alive;
 static uintptr_t library_begin, library_end;
@@ -87,7 +88,8 @@ static void *image;
 static size_t image_bytes;
 static char sample_digest[65];
 static const char *const recipe_text =
-    "conceg: 1\nseed: 5\ndomain:\n  size_um: [20, 20, 20]\ntypes:\n  - {name: a, class: other, fraction: 1}\nlayers:\n  - {name: "
+    "conceg: 1\nseed: 5\ndomain:\n  size_um: [20, 20, 20]\ntypes:\n  - {name: a, class: other, fraction: "
+    "1}\nlayers:\n  - {name: "
     "one, z_um: [0, 20], density_per_um3: 1e-4}\nkeep: [network]\nrelax: {impl: toy, steps: 4}\n";
 
 /* ---- Scenarios: each cleans up after itself whatever happened ---- */
@@ -103,7 +105,8 @@ static conceg_status read_everything(conceg_doc *doc, const char *group) {
     char child[1024];
     conceg_array array = {.size = sizeof array};
     snprintf(child, sizeof child, "%s", conceg_doc_child(doc, group, i));
-    status = child[strlen(child) - 1] == '/' ? read_everything(doc, child) : conceg_doc_read(doc, child, &array);
+    status =
+        child[strlen(child) - 1] == '/' ? read_everything(doc, child) : conceg_doc_read(doc, child, &array);
   }
   return status;
 }
@@ -126,12 +129,14 @@ static conceg_status scenario_validate(conceg_ctx *ctx) {
   return status;
 }
 
-/* A failed write or drop changes nothing: the digest, taken when memory is there again, is that of before or after. */
+/* A failed write or drop changes nothing: the digest, taken when memory is there again, is that of before or
+ * after. */
 static conceg_status scenario_write(conceg_ctx *ctx) {
   static const double soma[9] = {1, 1, 1, 2, 2, 2, 3, 3, 3};
   static const char *const names[2] = {"changed", "names"};
-  const conceg_array numbers = {.size = sizeof numbers, .dtype = CONCEG_F64, .rank = 2, .shape = {3, 3}, .data = soma},
-                     texts = {.size = sizeof texts, .dtype = CONCEG_TEXT, .rank = 1, .shape = {2}, .data = names};
+  const conceg_array
+      numbers = {.size = sizeof numbers, .dtype = CONCEG_F64, .rank = 2, .shape = {3, 3}, .data = soma},
+      texts = {.size = sizeof texts, .dtype = CONCEG_TEXT, .rank = 1, .shape = {2}, .data = names};
   const uint64_t shape[1] = {4};
   conceg_doc *doc = NULL;
   void *storage, *bytes = NULL;
@@ -148,7 +153,8 @@ static conceg_status scenario_write(conceg_ctx *ctx) {
     CHECK_TEXT(hex, sample_digest);
   }
   if (status == CONCEG_OK) status = conceg_doc_write(doc, "/types/name", &texts);
-  if (status == CONCEG_OK) status = conceg_doc_new_array(doc, "/x_lab/deep/er/array", CONCEG_U8, 1, shape, &storage);
+  if (status == CONCEG_OK)
+    status = conceg_doc_new_array(doc, "/x_lab/deep/er/array", CONCEG_U8, 1, shape, &storage);
   if (status == CONCEG_OK) status = conceg_doc_write_text(doc, "/recipe", recipe_text);
   if (status == CONCEG_OK) status = conceg_doc_drop(doc, "/skeleton");
   if (status == CONCEG_OK) status = conceg_doc_to_memory(doc, &bytes, &count);
@@ -182,9 +188,11 @@ static conceg_status scenario_recipe(conceg_ctx *ctx) {
 
 static conceg_status run_toy(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   static const float radius[3] = {5, 5, 5};
-  const conceg_array array = {.size = sizeof array, .dtype = CONCEG_F32, .rank = 1, .shape = {3}, .data = radius};
+  const conceg_array array = {
+      .size = sizeof array, .dtype = CONCEG_F32, .rank = 1, .shape = {3}, .data = radius};
   (void)ctx;
-  return conceg_params_i64(params, "steps") == 4 ? conceg_doc_write(doc, "/cells/radius", &array) : CONCEG_E_STAGE;
+  return conceg_params_i64(params, "steps") == 4 ? conceg_doc_write(doc, "/cells/radius", &array)
+                                                 : CONCEG_E_STAGE;
 }
 
 static conceg_status scenario_stage(conceg_ctx *ctx) {
@@ -192,8 +200,15 @@ static conceg_status scenario_stage(conceg_ctx *ctx) {
                                        {"label", "", "", "", NULL, CONCEG_PARAM_TEXT, 0, 0, 0},
                                        {NULL, NULL, NULL, NULL, NULL, 0, 0, 0, 0}};
   static const char *const cells[] = {"/cells", NULL};
-  static const conceg_stage toy = {.abi = CONCEG_STAGE_ABI, .size = sizeof toy, .kind = "relax", .name = "toy", .version = "1",
-                                   .params = table, .reads = cells, .writes = cells, .run = run_toy};
+  static const conceg_stage toy = {.abi = CONCEG_STAGE_ABI,
+                                   .size = sizeof toy,
+                                   .kind = "relax",
+                                   .name = "toy",
+                                   .version = "1",
+                                   .params = table,
+                                   .reads = cells,
+                                   .writes = cells,
+                                   .run = run_toy};
   static const conceg_stage *const builtins[] = {&toy, NULL};
   static const char *const sets[] = {"relax.label=short", NULL};
   const conceg_stage *stage;
@@ -231,8 +246,12 @@ static const struct {
   const char *name;
   conceg_status (*run)(conceg_ctx *ctx);
   long fewest; /* allocations that it must have, so that a scenario that does nothing is noticed */
-} scenarios[] = {{"open and read", scenario_read, 100},  {"validate and digest", scenario_validate, 100}, {"write, drop, save", scenario_write, 40},
-                 {"substrate", scenario_substrate, 100}, {"recipe", scenario_recipe, 50},                {"registry, parameters, stage", scenario_stage, 150},
+} scenarios[] = {{"open and read", scenario_read, 100},
+                 {"validate and digest", scenario_validate, 100},
+                 {"write, drop, save", scenario_write, 40},
+                 {"substrate", scenario_substrate, 100},
+                 {"recipe", scenario_recipe, 50},
+                 {"registry, parameters, stage", scenario_stage, 150},
                  {"context and new document", scenario_context, 10}};
 
 /* One run with one failing allocation. Returns what it left behind; *status is that of the run. */
@@ -261,19 +280,22 @@ static void check_scenario(conceg_ctx *ctx, size_t which) {
       CHECK(*conceg_ctx_error(ctx) != '\0' || scenarios[which].run == scenario_context);
     }
     if (failed != check_failed_)
-      fprintf(stderr, "  in scenario \"%s\", allocation %ld: %s: %s\n", scenarios[which].name, number, conceg_status_name(status), conceg_ctx_error(ctx));
+      fprintf(stderr, "  in scenario \"%s\", allocation %ld: %s: %s\n", scenarios[which].name, number,
+              conceg_status_name(status), conceg_ctx_error(ctx));
     conceg_ctx_clear_error(ctx);
     /* The caches of HDF5 grow once; what is lost is lost each time. */
     if (lost > 0) lost = run_failing(ctx, which, number, &status);
     if (lost > 0) lost = run_failing(ctx, which, number, &status);
     CHECK(lost <= 0);
     if (failed != check_failed_) {
-      fprintf(stderr, "  in scenario \"%s\", allocation %ld: %ld blocks lost\n", scenarios[which].name, number, lost);
+      fprintf(stderr, "  in scenario \"%s\", allocation %ld: %ld blocks lost\n", scenarios[which].name,
+              number, lost);
       break;
     }
     conceg_ctx_clear_error(ctx);
   }
-  printf("%-28s %ld allocations, %s failed in turn\n", scenarios[which].name, number - 1, stride == 1 ? "each" : "the first 600 and every 13th of the others");
+  printf("%-28s %ld allocations, %s failed in turn\n", scenarios[which].name, number - 1,
+         stride == 1 ? "each" : "the first 600 and every 13th of the others");
   if (failed == check_failed_) CHECK(number > scenarios[which].fewest);
 }
 
