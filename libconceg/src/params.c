@@ -16,8 +16,8 @@ static const struct param_value *find_value(const conceg_params *params, const c
   uint32_t i;
   for (i = 0; i < params->count; i++)
     if (!strcmp(table[i].name, name)) return &params->value[i];
-  if (!__atomic_exchange_n(&params->misuse->happened, 1, __ATOMIC_ACQ_REL))
-    snprintf(params->misuse->name, sizeof params->misuse->name, "%s", name);
+  if (!__atomic_exchange_n(&params->told->misuse, 1, __ATOMIC_ACQ_REL))
+    snprintf(params->told->name, sizeof params->told->name, "%s", name);
   return NULL;
 }
 
@@ -39,6 +39,10 @@ int conceg_params_bool(const conceg_params *params, const char *name) {
 const char *conceg_params_text(const conceg_params *params, const char *name) {
   const struct param_value *value = find_value(params, name);
   return value ? value->text : "";
+}
+
+void conceg_params_restored(const conceg_params *params) {
+  __atomic_store_n(&params->told->restored, 1, __ATOMIC_RELEASE);
 }
 
 int conceg_params_given(const conceg_params *params, const char *name) {
@@ -385,8 +389,8 @@ conceg_status conceg_params_new(conceg_ctx *ctx, const conceg_stage *stage, conc
   if (!params) return no_memory(ctx);
   params->stage = stage;
   params->seed = conceg_ctx_seed(ctx);
-  params->misuse = calloc(1, sizeof *params->misuse);
-  status = params->misuse ? set_defaults(ctx, params) : no_memory(ctx);
+  params->told = calloc(1, sizeof *params->told);
+  status = params->told ? set_defaults(ctx, params) : no_memory(ctx);
   if (status == CONCEG_OK) status = merge(ctx, params, doc, recipe, sets);
   if (status == CONCEG_OK && !(make_canonical(params) && keep_arguments(params, arguments)))
     status = no_memory(ctx);
@@ -408,7 +412,7 @@ void conceg_params_free(conceg_params *params) {
     free(params->argument[i]);
   free(params->argument);
   text_free(&params->canonical);
-  free(params->misuse);
+  free(params->told);
   conceg_recipe_free(params->recipe);
   free(params);
 }

@@ -14,9 +14,10 @@ struct param_value {
   int boolean, quoted, given;
 };
 
-/* A stage asked for a name that is not in its table: found after the run, from whatever thread it was. */
-struct param_misuse {
-  int happened; /* __atomic */
+/* What the stage told during its run, from whatever thread it was: that it asked for a name that is not in
+ * its table, and that it restored a document. */
+struct param_told {
+  int misuse, restored; /* __atomic */
   char name[64];
 };
 
@@ -27,7 +28,7 @@ struct conceg_params {
   uint32_t arguments;
   char **argument;
   struct text canonical;
-  struct param_misuse *misuse;
+  struct param_told *told;
   conceg_recipe *recipe; /* the document's recipe with everything applied; NULL when there is none */
   int recipe_is_new;     /* 1 = to be written into /recipe before the run */
   int has_seed;

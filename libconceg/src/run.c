@@ -142,13 +142,14 @@ static conceg_status fail_stage(conceg_ctx *ctx, const conceg_stage *stage, cons
 }
 
 /* The same document in another form: its provenance and origins are its own. */
-static int is_restored(const conceg_stage *stage, const conceg_doc *doc) {
+static int is_restored(const conceg_params *params) {
   const uint64_t flags = CONCEG_STAGE_SOURCE | CONCEG_STAGE_RESTORES;
-  return (stage->flags & flags) == flags && conceg_doc_has(doc, "/provenance");
+  return (params->stage->flags & flags) == flags &&
+         __atomic_load_n(&params->told->restored, __ATOMIC_ACQUIRE);
 }
 
 static conceg_status note_written(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc,
-                                  const struct origins *origins) {
+                                  const conceg_params *params, const struct origins *origins) {
   uint32_t i;
   for (i = 0; stage->writes && stage->writes[i]; i++) {
     const char *group = group_name(stage->writes[i]);
@@ -156,7 +157,7 @@ static conceg_status note_written(conceg_ctx *ctx, const conceg_stage *stage, co
     conceg_status status;
     snprintf(path, sizeof path, "/%s", group);
     if (!conceg_doc_has(doc, path)) continue;
-    status = is_restored(stage, doc) ? CONCEG_OK : origins_write(doc, group, origins);
+    status = is_restored(params) ? CONCEG_OK : origins_write(doc, group, origins);
     if (status != CONCEG_OK) return status;
     status = conceg_doc_validate(doc, path, NULL, NULL);
     if (status == CONCEG_E_FORMAT) return fail_stage(ctx, stage, "wrote a broken group");
@@ -266,10 +267,10 @@ static conceg_status run_body(conceg_ctx *ctx, const conceg_stage *stage, conceg
                              conceg_status_text(status));
     return status;
   }
-  if (__atomic_load_n(&params->misuse->happened, __ATOMIC_ACQUIRE))
+  if (__atomic_load_n(&params->told->misuse, __ATOMIC_ACQUIRE))
     return conceg_ctx_fail(ctx, CONCEG_E_INTERNAL,
                            "%s (%s): asked for the parameter \"%s\", which is not in its table", stage->kind,
-                           stage->name, params->misuse->name);
+                           stage->name, params->told->name);
   return CONCEG_OK;
 }
 
@@ -283,12 +284,12 @@ static conceg_status run_noted(conceg_ctx *ctx, const conceg_stage *stage, conce
   if (status == CONCEG_OK) status = snapshot_take(ctx, doc, before);
   if (status == CONCEG_OK) status = run_body(ctx, stage, doc, params);
   if (status == CONCEG_OK) status = tell_phase(ctx, "validate", stage);
-  if (status == CONCEG_OK) status = check_new(ctx, stage, doc, before);
+  if (status == CONCEG_OK) status = is_restored(params) ? CONCEG_OK : check_new(ctx, stage, doc, before);
   if (status == CONCEG_OK) status = check_untouched(ctx, stage, doc, before);
   if (status == CONCEG_OK) status = drop_stale(ctx, stage, doc);
   if (status == CONCEG_OK) status = drop_unwanted(stage, doc, params);
-  if (status == CONCEG_OK) status = note_written(ctx, stage, doc, origins);
-  if (status == CONCEG_OK && !is_restored(stage, doc)) status = provenance_add(ctx, doc, params, input);
+  if (status == CONCEG_OK) status = note_written(ctx, stage, doc, params, origins);
+  if (status == CONCEG_OK && !is_restored(params)) status = provenance_add(ctx, doc, params, input);
   return status;
 }
 

@@ -317,8 +317,11 @@ std::vector<std::string> document_lines(conceg_doc *doc, const Slices &slices, c
     const std::string top = conceg_doc_child(doc, "/", i);
     if (is_one_of(top, own) || is_one_of(top, left_out_groups)) continue;
     each_array(doc, top, [&](const std::string &path) {
-      if (!can_be_written(doc, path) || is_one_of(path, carried_by_samples) ||
-          (slices.cells && rows_of(doc, path, slices, 0).sliced))
+      // A skeleton without points has no samples that could carry its arrays.
+      const bool by_samples =
+          is_one_of(path, carried_by_samples) &&
+          !(slices.skeleton.size() && !slices.skeleton.back() && path.rfind("/skeleton/", 0) == 0);
+      if (!can_be_written(doc, path) || by_samples || (slices.cells && rows_of(doc, path, slices, 0).sliced))
         return;
       conceg_array array = {};
       array.size = sizeof array;

@@ -52,6 +52,13 @@ void write_swc(conceg_ctx *ctx, const std::string &path, const Cell &cell, const
   std::vector<double> row(footer.empty() ? 0 : tree.size());
   std::iota(row.begin(), row.end(), 0.0); // the file is in preorder; this is the order of the document
   add("row", row);
+  // What the plain columns say of the links and the types, so that an edit of them is seen.
+  std::vector<double> kind, parent_row;
+  if (!footer.empty()) {
+    kind.assign(tree.kind.begin(), tree.kind.end());
+    parent_row.assign(tree.parent.begin(), tree.parent.end());
+  }
+  add("kind", kind), add("parent_row", parent_row);
   std::vector<const char *> lines;
   for (const std::string &line : footer)
     lines.push_back(line.c_str());

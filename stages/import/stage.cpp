@@ -49,9 +49,9 @@ void import_swc(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   bool blocks = false;
   for (const SwcFile &file : files)
     blocks = blocks || file.blocks.present;
-  if (blocks)
-    restore_document(ctx, doc, files);
-  else
+  if (blocks) {
+    if (restore_document(ctx, doc, files)) conceg_params_restored(params);
+  } else
     make_document(ctx, doc, files,
                   {cell_class == "auto" ? "" : cell_class, conceg_params_f64(params, "margin_um"),
                    conceg_params_f64(params, "radius_min_um")});

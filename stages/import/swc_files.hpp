@@ -23,6 +23,11 @@ struct SwcFile {
   bool stale = false; // a column that was edited contradicts its exact value
 };
 
+// Groups of the format that a folder of SWC-plus files carries.
+inline constexpr const char *known_groups[] = {"recipe",     "domain",   "provenance", "types",
+                                               "dictionary", "cells",    "bars",       "skeleton",
+                                               "spheres",    "protocol", "signals",    "statistics"};
+
 // All *.swc below the folders named, and the files named; by name. E_MISSING when there is none.
 std::vector<std::string> find_files(const std::vector<std::string> &names);
 
@@ -30,8 +35,8 @@ std::vector<std::string> find_files(const std::vector<std::string> &names);
 std::vector<SwcFile> read_files(conceg_ctx *ctx, const std::vector<std::string> &paths, std::uint32_t flags);
 
 // The document that the files carry, as it was. Cells that were edited keep the edit, and what depends on
-// them is left out. All files must have blocks of one document.
-void restore_document(conceg_ctx *ctx, conceg_doc *doc, std::vector<SwcFile> &files);
+// them is left out. All files must have blocks of one document. Returns whether nothing was edited.
+bool restore_document(conceg_ctx *ctx, conceg_doc *doc, std::vector<SwcFile> &files);
 
 struct ForeignOptions {
   std::string cell_class; // empty: by the file

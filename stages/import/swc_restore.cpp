@@ -58,11 +58,32 @@ double filled(const char *name, const double *column, const std::vector<double> 
   return up >= 0 ? before[static_cast<std::size_t>(up)] : 0.0;
 }
 
+// Samples whose type or parent is another than in the document; says so once a file.
+bool links_changed(conceg_ctx *ctx, const SwcFile &file, const std::vector<std::size_t> &row) {
+  const conceg_swc *swc = file.swc.get();
+  const double *kind = conceg_swc_column(swc, "kind"), *parent_row = conceg_swc_column(swc, "parent_row");
+  const std::int64_t *parent = conceg_swc_parent(swc);
+  std::size_t changed = 0;
+  std::uint32_t first = 0;
+  for (std::size_t i = 0; i < row.size(); i++) {
+    const double up = parent[i] < 0 ? -1.0 : static_cast<double>(row[static_cast<std::size_t>(parent[i])]);
+    if (kind && parent_row && kind[i] == conceg_swc_kind(swc)[i] && parent_row[i] == up) continue;
+    const std::uint32_t line = conceg_swc_line(swc)[i];
+    first = changed++ ? std::min(first, line) : line;
+  }
+  if (changed)
+    conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
+                   "%s:%u: W_STALE: type or parent of %zu samples, here the first, is another than in the "
+                   "document; the file as it is now is taken",
+                   file.path.c_str(), first, changed);
+  return changed != 0;
+}
+
 // Returns whether the rows are those of the document.
-bool add_cell(Skeletons &all, const SwcFile &file) {
+bool add_cell(Skeletons &all, const SwcFile &file, const std::vector<std::size_t> &old_row) {
   const conceg_swc *swc = file.swc.get();
   const std::size_t count = conceg_swc_count(swc), first = all.radius.size();
-  std::vector<std::size_t> row = rows_of(file);
+  std::vector<std::size_t> row = old_row;
   const bool kept = row.size() == count && count == file.blocks.points;
   if (!kept) {
     row.resize(count);
@@ -162,8 +183,8 @@ void write_slices(conceg_doc *doc, std::vector<SwcFile> &files, bool skeleton_ro
     if (conceg_doc_children(doc, group.c_str())) put(doc, (group + "/cell_offset").c_str(), o);
 }
 
-// A soma that was moved or resized in its file.
-void take_somas(conceg_doc *doc, const std::vector<SwcFile> &files) {
+// A soma that was moved, resized or taken away in its file. Returns whether there is one.
+bool take_somas(conceg_ctx *ctx, conceg_doc *doc, const std::vector<SwcFile> &files) {
   const View<double> old_soma = view<double>(doc, "/cells/soma", 3);
   const View<float> old_radius = view<float>(doc, "/cells/radius");
   if (old_soma.rows() != files.size() || old_radius.rows() != files.size())
@@ -171,14 +192,23 @@ void take_somas(conceg_doc *doc, const std::vector<SwcFile> &files) {
          old_soma.rows());
   std::vector<double> soma(old_soma.begin(), old_soma.end());
   std::vector<float> radius(old_radius.begin(), old_radius.end());
+  bool edited = false;
   for (std::size_t i = 0; i < files.size(); i++) {
     double center[3], r;
-    if (conceg_swc_soma(files[i].swc.get(), center, &r) == CONCEG_SOMA_NONE) continue;
-    std::copy(center, center + 3, &soma[3 * i]);
+    if (conceg_swc_soma(files[i].swc.get(), center, &r) == CONCEG_SOMA_NONE)
+      r = 0.0; // it keeps its place
+    else
+      std::copy(center, center + 3, &soma[3 * i]);
     radius[i] = static_cast<float>(r);
+    if (radius[i] == old_radius[i] && std::equal(&soma[3 * i], &soma[3 * i] + 3, old_soma.row(i))) continue;
+    edited = true;
+    conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
+                   "%s: W_STALE: the soma is another than in the document; the file as it is now is taken",
+                   files[i].path.c_str());
   }
   put(doc, "/cells/soma", soma, 3);
   put(doc, "/cells/radius", radius);
+  return edited;
 }
 
 void check_set(std::vector<SwcFile> &files) {
@@ -206,9 +236,27 @@ void check_set(std::vector<SwcFile> &files) {
            files[i].path.c_str(), static_cast<unsigned long long>(files[i].blocks.cell));
 }
 
+// Whether groups that this version does not know still fit the cells cannot be told.
+void drop_unknown(conceg_ctx *ctx, conceg_doc *doc) {
+  std::vector<std::string> unknown;
+  for (std::uint64_t i = 0; i < conceg_doc_children(doc, "/"); i++) {
+    const std::string path = conceg_doc_child(doc, "/", i), name = path.substr(1, path.find('/', 1) - 1);
+    if (path.find('@') == std::string::npos && name.rfind("x_", 0) != 0 &&
+        std::find(std::begin(known_groups), std::end(known_groups), name) == std::end(known_groups))
+      unknown.push_back("/" + name);
+  }
+  for (const std::string &group : unknown) {
+    conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
+                   "import: %s is left out: the cells were edited, and this version does not know whether it "
+                   "still fits them",
+                   group.c_str());
+    must(conceg_doc_drop(doc, group.c_str()));
+  }
+}
+
 } // namespace
 
-void restore_document(conceg_ctx *ctx, conceg_doc *doc, std::vector<SwcFile> &files) {
+bool restore_document(conceg_ctx *ctx, conceg_doc *doc, std::vector<SwcFile> &files) {
   check_set(files);
   const std::uint64_t cells = files[0].blocks.cells;
   bool edited = files.size() < cells, rows_kept = true;
@@ -219,29 +267,34 @@ void restore_document(conceg_ctx *ctx, conceg_doc *doc, std::vector<SwcFile> &fi
                    static_cast<unsigned long long>(cells));
   Skeletons skeletons;
   for (const SwcFile &file : files) {
-    const bool kept = add_cell(skeletons, file);
+    const std::vector<std::size_t> row = rows_of(file);
+    const bool kept = add_cell(skeletons, file, row);
     if (!kept)
       conceg_ctx_log(
           ctx, CONCEG_LOG_WARNING,
           "%s: samples were added, removed or put in another order: the file as it is now is taken",
           file.path.c_str());
     rows_kept = rows_kept && kept;
-    edited = edited || !kept || file.stale;
+    edited = (kept && links_changed(ctx, file, row)) || edited || !kept || file.stale;
   }
   for (SwcFile &file : files)
     for (const Array &array : file.blocks.of_document)
-      if (!edited || (array.path.rfind("/spheres", 0) != 0 && array.path.rfind("/statistics", 0) != 0))
-        swcdoc::put_array(doc, array);
+      swcdoc::put_array(doc, array);
   write_slices(doc, files, rows_kept);
-  if (skeletons.radius.size() || files[0].blocks.points) write_skeletons(doc, skeletons);
-  take_somas(doc, files);
-  if (!edited) return;
+  if (skeletons.radius.empty() && has(doc, "/skeleton/position"))
+    put(doc, "/skeleton/cell_offset", skeletons.cell_offset);
+  else
+    write_skeletons(doc, skeletons);
+  edited = take_somas(ctx, doc, files) || edited;
+  if (!edited) return true;
   for (const char *group : {"/spheres", "/statistics"}) {
     if (conceg_doc_has(doc, group))
       conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
                      "import: %s is left out: the cells that it was made from were edited", group);
     must(conceg_doc_drop(doc, group));
   }
+  drop_unknown(ctx, doc);
+  return false;
 }
 
 } // namespace conceg::importing

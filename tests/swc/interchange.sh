@@ -42,7 +42,27 @@ with h5py.File("odd.cgx", "r+") as f:
 PY
   expect 0 "without .*/x_lab/pairs.*/x_lab@made by" conceg export --to swc --dir odd odd.cgx
   expect 0 "" conceg import swc odd -o odd-back.cgx
-  conceg strip statistics others.cgx -q -o canonical.cgx && set -- $grown relaxed.cgx measured.cgx canonical.cgx
+  # No provenance, a group of a newer version, no point in any skeleton: still the same bytes.
+  cp $grown newer.cgx && cp $grown bare.cgx && chmod u+w newer.cgx bare.cgx
+  "$python" - << 'PY'
+import h5py, numpy
+with h5py.File("newer.cgx", "r+") as f:
+    del f["provenance"]
+    f["spines/count"] = numpy.array([3, 4], dtype="u4")
+    f["spines/count"].attrs["unit"] = ""
+with h5py.File("bare.cgx", "r+") as f:
+    for name, column in list(f["skeleton"].items()):
+        unit = column.attrs["unit"]
+        empty = numpy.zeros(len(column), "u8") if name == "cell_offset" else column[:0]
+        del f["skeleton"][name]
+        f["skeleton"][name] = empty
+        f["skeleton"][name].attrs["unit"] = unit
+    del f["skeleton/branch"]
+PY
+  # The host's canonical form of both, through a stage that adds nothing to them.
+  for document in newer bare; do conceg strip network $document.cgx -q -o $document-canonical.cgx || exit 1; done
+  expect_true "the newer document keeps its group and has no provenance" sh -c 'conceg info newer-canonical.cgx | grep -q spines && ! conceg info newer-canonical.cgx | grep -q /provenance/'
+  conceg strip statistics others.cgx -q -o canonical.cgx && set -- $grown relaxed.cgx measured.cgx canonical.cgx newer-canonical.cgx bare-canonical.cgx
 else
   echo "SKIPPED: no h5py: groups of others are not carried through SWC-plus"
   set -- $grown relaxed.cgx measured.cgx
@@ -82,6 +102,21 @@ conceg export --to swc --dir spheres -q relaxed.cgx
 sed -i '5s/^\([0-9]* [0-9]* \)\S* /\13.250000 /' "$(ls spheres/swc/*.swc | head -1)"
 expect 0 "/spheres is left out: the cells that it was made from were edited" conceg import swc spheres -o edited.cgx
 expect_true "no spheres of another skeleton" sh -c '! conceg dump /spheres edited.cgx > /dev/null 2>&1'
+# Types, links and somas that another tool has changed are seen too, and an edited document says in /provenance that it was imported.
+soon_stale() { rm -rf edited && cp -r measured edited && file=edited/swc/$(basename "$first"); }
+conceg export --to swc --dir measured -q measured.cgx
+said() { # said "what the warning says"
+  expect 0 "$1" conceg import swc edited -o edited.cgx
+  expect_true "$1: spheres and statistics are gone" sh -c 'conceg dump edited.cgx > edited.txt && ! grep -q -e "^/spheres/" -e "^/statistics/" edited.txt'
+  expect_true "$1: the last row of the provenance is import" sh -c 'conceg dump /provenance/stage edited.cgx | tail -1 | grep -q import'
+  expect 0 "" conceg validate edited.cgx
+}
+soon_stale; sed -i '6s/^\([0-9]*\) 3 /\1 2 /' "$file"; said "0000.*.swc:6: W_STALE: type or parent of 1 samples"
+soon_stale; sed -i '9s/ [0-9]*$/ 2/' "$file"; said "0000.*.swc:9: W_STALE: type or parent of 1 samples"
+soon_stale; sed -i '/^1 1 /d' "$file"; said "0000.*.swc: W_STALE: the soma is another"
+expect_true "a soma that was taken away is gone" sh -c 'conceg dump /cells/radius edited.cgx | sed -n 2p | grep -qx " *0"'
+soon_stale; sed -i 's/^\(1 1 .* \)[0-9.]* -1$/\12.500000 -1/' "$file"; said "/statistics is left out: the cells that it was made from were edited"
+soon_stale; expect 0 "" conceg import swc edited -o edited.cgx; expect_same edited.cgx measured.cgx
 # A tip is taken away: the last sample of the file.
 rm -rf edited && cp -r out edited
 last=$(grep -v '^#' "$second" | tail -1 | cut -d' ' -f1)

@@ -126,6 +126,25 @@ static void check_refusals(void) {
   CHECK(strstr(conceg_ctx_error(ctx), "none/a.swc") != NULL);
 }
 
+/* Lines after the rows; a caller that was built before there were any has none. */
+static void check_footer(void) {
+  static const char *const lines[] = {"@lab 1", "@values 0x1p+0", NULL}, *const two[] = {"two\nlines", NULL},
+                           *const taken[] = {"fine", "@n 1 2", NULL};
+  conceg_swc_cell c = cell();
+  char *text;
+  c.footer = lines;
+  CHECK_EQUAL(conceg_swc_write(ctx, in_folder("d.swc"), &c), CONCEG_OK);
+  text = slurp(in_folder("d.swc"));
+  CHECK(text && strstr(text, "\n# @end nodes\n# @lab 1\n# @values 0x1p+0\n") != NULL);
+  c.size = offsetof(conceg_swc_cell, footer);
+  CHECK_EQUAL(conceg_swc_write(ctx, in_folder("d.swc"), &c), CONCEG_OK);
+  text = slurp(in_folder("d.swc"));
+  CHECK(text && strstr(text, "@end nodes\n") != NULL && !strstr(text, "@lab"));
+  CHECK(unlink(in_folder("d.swc")) == 0);
+  c = cell(), c.footer = two, check_refused(&c, CONCEG_E_FORMAT, "footer[0]");
+  c = cell(), c.footer = taken, check_refused(&c, CONCEG_E_FORMAT, "footer[1]");
+}
+
 /* A piece that is not joined to the soma stays apart from it. */
 static void check_floating(void) {
   static const int64_t apart[] = {-1, CONCEG_SWC_FLOATING, 0, 2};
@@ -163,6 +182,7 @@ int main(void) {
   check_round_trip();
   check_edited();
   check_refusals();
+  check_footer();
   check_floating();
   check_rest();
   conceg_ctx_free(ctx);

@@ -44,6 +44,9 @@ CONCEG_API const char *conceg_params_text(const conceg_params *params,
 CONCEG_API const char *conceg_params_argument(const conceg_params *params, uint32_t index);
 /* 1 if the value was given, by recipe or command line; 0 if it is the default. */
 CONCEG_API int conceg_params_given(const conceg_params *params, const char *name);
+/* Called by a source with CONCEG_STAGE_RESTORES while it runs: the document is one that was made before, in
+ * another form, and the host adds nothing to it. Without effect for other stages. Any thread. */
+CONCEG_API void conceg_params_restored(const conceg_params *params);
 
 /* ---- Recipe: a parsed YAML document with line numbers ---- */
 typedef struct conceg_recipe conceg_recipe;

@@ -15,7 +15,7 @@ CONCEG_BEGIN_C
 #define CONCEG_STAGE_THREADED 4u   /* uses conceg_ctx_threads */
 #define CONCEG_STAGE_RECIPE 8u     /* a source that needs a recipe (-p) */
 #define CONCEG_STAGE_ARGUMENTS 16u /* takes positional arguments (input files) */
-#define CONCEG_STAGE_RESTORES 32u  /* a source that may bring a whole document with its own /provenance */
+#define CONCEG_STAGE_RESTORES 32u  /* a source that may restore a document: conceg_params_restored */
 
 typedef struct conceg_stage {
   uint32_t abi;        /* CONCEG_STAGE_ABI */
