@@ -102,7 +102,7 @@ sed -i '5s/^\([0-9]* [0-9]* \)\S* /\13.250000 /' "$(ls spheres/swc/*.swc | head 
 expect 0 "/spheres is left out: the cells that it was made from were edited" conceg import swc spheres -o edited.cgx
 expect_true "no spheres of another skeleton" sh -c '! conceg dump /spheres edited.cgx > /dev/null 2>&1'
 # Types, links and somas that another tool has changed are seen too, and an edited document says in /provenance that it was imported.
-soon_stale() { rm -rf edited && cp -r measured edited && file=edited/swc/$(basename "$first"); }
+fresh_copy() { rm -rf edited && cp -r measured edited && file=edited/swc/$(basename "$first"); }
 conceg export --to swc --dir measured -q measured.cgx
 said() { # said "what the warning says"
   expect 0 "$1" conceg import swc edited -o edited.cgx
@@ -110,12 +110,12 @@ said() { # said "what the warning says"
   expect_true "$1: the last row of the provenance is import" sh -c 'conceg dump /provenance/stage edited.cgx | tail -1 | grep -q import'
   expect 0 "" conceg validate edited.cgx
 }
-soon_stale; sed -i '6s/^\([0-9]*\) 3 /\1 2 /' "$file"; said "0000.*.swc:6: W_STALE: type or parent of 1 samples"
-soon_stale; sed -i '9s/ [0-9]*$/ 2/' "$file"; said "0000.*.swc:9: W_STALE: type or parent of 1 samples"
-soon_stale; sed -i '/^1 1 /d' "$file"; said "0000.*.swc: W_STALE: the soma is another"
+fresh_copy; sed -i '6s/^\([0-9]*\) 3 /\1 2 /' "$file"; said "0000.*.swc:6: W_STALE: type or parent of 1 samples"
+fresh_copy; sed -i '9s/ [0-9]*$/ 2/' "$file"; said "0000.*.swc:9: W_STALE: type or parent of 1 samples"
+fresh_copy; sed -i '/^1 1 /d' "$file"; said "0000.*.swc: W_STALE: the soma is another"
 expect_true "a soma that was taken away is gone" sh -c 'conceg dump /cells/radius edited.cgx | sed -n 2p | grep -qx " *0"'
-soon_stale; sed -i 's/^\(1 1 .* \)[0-9.]* -1$/\12.500000 -1/' "$file"; said "/statistics is left out: the cells that it was made from were edited"
-soon_stale; expect 0 "" conceg import swc edited -o edited.cgx; expect_same edited.cgx measured.cgx
+fresh_copy; sed -i 's/^\(1 1 .* \)[0-9.]* -1$/\12.500000 -1/' "$file"; said "/statistics is left out: the cells that it was made from were edited"
+fresh_copy; expect 0 "" conceg import swc edited -o edited.cgx; expect_same edited.cgx measured.cgx
 # A tip is taken away: the last sample of the file.
 rm -rf edited && cp -r out edited
 last=$(grep -v '^#' "$second" | tail -1 | cut -d' ' -f1)
