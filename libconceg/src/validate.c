@@ -15,19 +15,28 @@ int is_wanted(const struct validator *validator, const char *path) {
   return path[length] == '\0' || path[length] == '/' || path[length] == '@' || path[length] == '[';
 }
 
-void report(struct validator *validator, const char *rule, enum severity severity, const char *path,
-            const char *expected, const char *got) {
+/* Everything a problem says; `index` holds `rank` numbers. */
+static void tell(struct validator *validator, const char *rule, enum severity severity, const char *path,
+                 uint32_t rank, const uint64_t *index, const char *expected, const char *got) {
   if (!is_wanted(validator, path)) return;
   if (severity == MUST && validator->errors++ == 0)
     snprintf(validator->first, sizeof validator->first, "%s: %s: expected %s, got %s", rule, path, expected,
              got);
-  const conceg_problem problem = {.size = sizeof problem,
-                                  .severity = severity,
-                                  .rule = rule,
-                                  .path = path,
-                                  .expected = expected,
-                                  .got = got};
+  conceg_problem problem = {.size = sizeof problem,
+                            .severity = severity,
+                            .rule = rule,
+                            .path = path,
+                            .expected = expected,
+                            .got = got,
+                            .rank = rank};
+  for (uint32_t axis = 0; axis < rank; axis++)
+    problem.index[axis] = index[axis];
   if (validator->fn) validator->fn(validator->user, &problem);
+}
+
+void report(struct validator *validator, const char *rule, enum severity severity, const char *path,
+            const char *expected, const char *got) {
+  tell(validator, rule, severity, path, 0, NULL, expected, got);
 }
 
 void report_value(struct validator *validator, const char *rule, enum severity severity,
@@ -35,16 +44,17 @@ void report_value(struct validator *validator, const char *rule, enum severity s
                   const char *got) {
   char path[PATH_BYTES + 64], text[512];
   int length = snprintf(path, sizeof path, "%s", entry->path);
-  uint64_t width = entry_count(entry), rest = index;
+  uint64_t width = entry_count(entry), rest = index, place[4] = {0};
   for (uint32_t axis = 0; axis < entry->rank && length < PATH_BYTES; axis++) {
     width /= entry->shape[axis];
+    place[axis] = rest / width;
     length += snprintf(path + length, sizeof path - (size_t)length, "%s%llu", axis ? "," : "[",
-                       (unsigned long long)(rest / width));
+                       (unsigned long long)place[axis]);
     rest %= width;
   }
   if (entry->rank) snprintf(path + length, sizeof path - (size_t)length, "]");
   if (more) snprintf(text, sizeof text, "%s (and %llu more)", got, (unsigned long long)more);
-  report(validator, rule, severity, path, expected, more ? text : got);
+  tell(validator, rule, severity, path, entry->rank, place, expected, more ? text : got);
 }
 
 static int starts_with_x(const char *name) {
@@ -214,7 +224,7 @@ static conceg_status check_origin(struct validator *validator, const struct entr
     char path[PATH_BYTES], hex[65], expected[160];
     const char *equals = strchr(lines[i], '=');
     if (!equals || equals - lines[i] > 200 || strlen(equals + 1) != 64) {
-      report(validator, "CGX-071", MUST, origin->path, "texts like cells=SHA-256 in hex", lines[i]);
+      report_value(validator, "CGX-071", MUST, origin, i, 0, "a text like cells=SHA-256 in hex", lines[i]);
       continue;
     }
     snprintf(path, sizeof path, "/%.*s", (int)(equals - lines[i]), lines[i]);
@@ -223,7 +233,7 @@ static conceg_status check_origin(struct validator *validator, const struct entr
     if (status != CONCEG_OK) return status;
     snprintf(expected, sizeof expected, "%.64s as it was when this group was made (digest %.12s...)", path,
              equals + 1);
-    if (strcmp(hex, equals + 1) != 0) report(validator, "CGX-070", SHOULD, origin->path, expected, hex);
+    if (strcmp(hex, equals + 1) != 0) report_value(validator, "CGX-070", SHOULD, origin, i, 0, expected, hex);
   }
   return CONCEG_OK;
 }
@@ -242,6 +252,7 @@ static conceg_status check_document(struct validator *validator) {
       status = check_all_values(validator, group, entry);
   }
   if (status == CONCEG_OK) status = check_links(validator);
+  if (status == CONCEG_OK) status = check_tissue(validator);
   for (size_t i = 0; i < root->children && status == CONCEG_OK; i++)
     status = check_origin(validator, root->child[i]);
   return status;

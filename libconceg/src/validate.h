@@ -50,6 +50,8 @@ conceg_status check_values(struct validator *validator, const struct schema_grou
                            const struct schema_item *item, struct entry *entry);
 /* Rules that tie arrays together: parents, faces, vertices, places in the box. */
 conceg_status check_links(struct validator *validator);
+/* Rules about what numbers mean together: loops, processes folded into the box, labels, provenance. */
+conceg_status check_tissue(struct validator *validator);
 
 /* One value as text. */
 void format_number(conceg_dtype dtype, const void *values, uint64_t index, char text[64]);

@@ -213,23 +213,28 @@ static conceg_status check_places(void *user, uint64_t first, uint64_t count, co
   return CONCEG_OK;
 }
 
-static const void *domain_attribute(const struct validator *validator, const char *path, conceg_dtype dtype) {
+static const struct entry *domain_attribute(const struct validator *validator, const char *path,
+                                            conceg_dtype dtype) {
   const struct entry *entry = find_array(validator, path, dtype, 1);
-  return entry && entry->shape[0] == 3 ? entry->store.data : NULL;
+  return entry && entry->shape[0] == 3 ? entry : NULL;
 }
 
 static conceg_status check_box(struct validator *validator) {
   static const char *const inside[] = {"/cells/soma", "/network/position"};
-  const double *lo = domain_attribute(validator, "/domain@lo", CONCEG_F64),
-               *hi = domain_attribute(validator, "/domain@hi", CONCEG_F64);
-  const uint8_t *periodic = domain_attribute(validator, "/domain@periodic", CONCEG_U8);
+  const struct entry *los = domain_attribute(validator, "/domain@lo", CONCEG_F64),
+                     *his = domain_attribute(validator, "/domain@hi", CONCEG_F64),
+                     *wraps = domain_attribute(validator, "/domain@periodic", CONCEG_U8);
   struct box_check check = {0};
-  char got[96];
-  if (!lo || !hi || !periodic) return CONCEG_OK;
-  for (int k = 0; k < 3; k++) {
-    snprintf(got, sizeof got, "%.17g not above %.17g", hi[k], lo[k]);
-    if (!(hi[k] > lo[k])) report(validator, "CGX-062", MUST, "/domain@hi", "values above /domain@lo", got);
-    if (periodic[k] > 1) report(validator, "CGX-063", MUST, "/domain@periodic", "0 or 1", "another number");
+  char expected[64], got[64];
+  if (!los || !his || !wraps) return CONCEG_OK;
+  const double *lo = los->store.data, *hi = his->store.data;
+  const uint8_t *periodic = wraps->store.data;
+  for (unsigned k = 0; k < 3; k++) {
+    snprintf(expected, sizeof expected, "a value above /domain@lo = %.17g", lo[k]);
+    format_number(CONCEG_F64, hi, k, got);
+    if (!(hi[k] > lo[k])) report_value(validator, "CGX-062", MUST, his, k, 0, expected, got);
+    format_number(CONCEG_U8, periodic, k, got);
+    if (periodic[k] > 1) report_value(validator, "CGX-063", MUST, wraps, k, 0, "0 or 1", got);
   }
   memcpy(check.lo, lo, sizeof check.lo);
   memcpy(check.hi, hi, sizeof check.hi);

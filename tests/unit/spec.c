@@ -62,7 +62,7 @@ static void test_arrays(const char *cgx) {
 
 static void test_rules(const char *cgx) {
   static const char *const sources[] = {"validate.c",       "validate_form.c", "validate_values.c",
-                                        "validate_links.c", "stream.c",        "doc.c",
+                                        "validate_links.c", "validate_tissue.c", "stream.c",        "doc.c",
                                         "h5_read.c"};
   char path[64], rule[16];
   int rules = 0;

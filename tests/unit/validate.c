@@ -86,7 +86,7 @@ static void test_values(conceg_ctx *ctx) {
         PUT("/types/class", CONCEG_TEXT, char *, 0, (char *)"pyramidal", (char *)"star"));
   PLANT("CGX-037 /cells/id[2]", 1, PUT("/cells/id", CONCEG_U64, uint64_t, 0, 11, 12, 11));
   PLANT("CGX-037 /types/name[1]", 1, PUT("/types/name", CONCEG_TEXT, char *, 0, (char *)"a", (char *)"a"));
-  PLANT("CGX-062 /domain@hi", 1, {
+  PLANT("CGX-062 /domain@hi[2]", 1, {
     PUT("/domain@hi", CONCEG_F64, double, 0, 40, 40, 0);
     DROP("/cells");
     DROP("/bars");
@@ -94,7 +94,7 @@ static void test_values(conceg_ctx *ctx) {
     DROP("/spheres");
     DROP("/meshes");
   });
-  PLANT("CGX-063 /domain@periodic", 1, PUT("/domain@periodic", CONCEG_U8, uint8_t, 0, 1, 2, 1));
+  PLANT("CGX-063 /domain@periodic[1]", 1, PUT("/domain@periodic", CONCEG_U8, uint8_t, 0, 1, 2, 1));
   PLANT("CGX-064 /cells/soma[2,0]", 0,
         PUT("/cells/soma", CONCEG_F64, double, 3, 1, 2, 3, 10, 20, 30, 40, 0, 5));
 }
