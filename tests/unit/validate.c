@@ -131,12 +131,12 @@ static void test_origin(conceg_ctx *ctx) {
   CHECK_EQUAL(conceg_doc_validate(doc, NULL, take, NULL), CONCEG_OK);
   CHECK_EQUAL(founds, 0); /* /network was dropped since */
   PUT("/cells/radius", CONCEG_F32, float, 0, 5, 4.5f, 0);
-  expect_in(ctx, doc, NULL, "CGX-070 /bars@made_from", 0);
+  expect_in(ctx, doc, NULL, "CGX-070 /bars@made_from[0]", 0);
   founds = 0;
   CHECK_EQUAL(conceg_doc_validate(doc, "/cells", take, NULL), CONCEG_OK);
   CHECK_EQUAL(founds, 0);
   PUT("/bars@made_from", CONCEG_TEXT, char *, 0, (char *)"cells");
-  expect_in(ctx, doc, "/bars", "CGX-071 /bars@made_from", 1);
+  expect_in(ctx, doc, "/bars", "CGX-071 /bars@made_from[0]", 1);
   conceg_doc_close(doc);
 }
 
