@@ -51,17 +51,16 @@ static void print_summary(struct report *report, const char *name, uint32_t arra
     json_close(&report->json, '}');
   } else if (!report->quiet || code != EXIT_OK) {
     printf("%s: %s: %u arrays and attributes checked against CGX %u.%u, %llu errors, %llu warnings\n",
-           name ? name : "standard input", code == EXIT_OK ? "valid" : "NOT VALID", arrays,
-           CONCEG_CGX_MAJOR, CONCEG_CGX_MINOR, (unsigned long long)report->errors,
-           (unsigned long long)report->warnings);
+           name ? name : "standard input", code == EXIT_OK ? "valid" : "NOT VALID", arrays, CONCEG_CGX_MAJOR,
+           CONCEG_CGX_MINOR, (unsigned long long)report->errors, (unsigned long long)report->warnings);
   }
 }
 
 /* The error line stands on standard error already; here it is one more broken rule. */
 static void print_refusal(struct cli *cli, struct report *report, const char *name) {
   struct refusal refusal;
-  const conceg_problem problem =
-      refusal_problem(conceg_ctx_error(cli->ctx), name && strcmp(name, "-") ? name : "standard input", &refusal);
+  const conceg_problem problem = refusal_problem(
+      conceg_ctx_error(cli->ctx), name && strcmp(name, "-") ? name : "standard input", &refusal);
   print_problem(report, &problem);
 }
 

@@ -40,12 +40,26 @@ static conceg_status check_reads(conceg_ctx *ctx, const conceg_stage *stage, con
   for (i = 0; stage->reads && stage->reads[i]; i++) {
     const char *group = group_name(stage->reads[i]), *maker = maker_of(group);
     char path[GROUP_PATH];
-    conceg_status status;
     snprintf(path, sizeof path, "/%s", group);
     if (!conceg_doc_has(doc, path))
       return conceg_ctx_fail(ctx, CONCEG_E_MISSING, "%s: needs /%s, which the document does not have%s%s%s",
                              stage->kind, group, maker ? "; run conceg " : "", maker ? maker : "",
                              maker ? " before it" : "");
+  }
+  return CONCEG_OK;
+}
+
+/* Stages read more groups than those they need, so all that stay are looked at; not those that the stage
+ * makes anew. */
+static conceg_status check_origins(conceg_ctx *ctx, const conceg_stage *stage, conceg_doc *doc) {
+  const char *path;
+  uint64_t i;
+  for (i = 0; (path = conceg_doc_child(doc, "/", i)); i++) {
+    char group[GROUP_PATH];
+    conceg_status status;
+    if (strchr(path, '@')) continue;
+    snprintf(group, sizeof group, "%.*s", (int)strcspn(path + 1, "/"), path + 1);
+    if (group_in(stage->writes, group)) continue;
     status = origins_warn(ctx, doc, group);
     if (status != CONCEG_OK) return status;
   }
@@ -309,6 +323,7 @@ conceg_status conceg_stage_run(conceg_ctx *ctx, const conceg_stage *stage, conce
   before.count = 0;
   conceg_ctx_clear_error(ctx);
   status = check_reads(ctx, stage, doc);
+  if (status == CONCEG_OK) status = check_origins(ctx, stage, doc);
   if (status == CONCEG_OK && params->recipe_is_new && !is_sink) status = write_recipe(ctx, doc, params);
   if (status == CONCEG_OK) {
     conceg_ctx_set_seed(ctx, params->seed);

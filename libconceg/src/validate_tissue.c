@@ -51,8 +51,7 @@ static conceg_status check_loops(struct validator *validator) {
   struct entry *parent = NULL, *offsets = NULL;
   if (!is_wanted(validator, path)) return CONCEG_OK;
   conceg_status status = load(validator, path, CONCEG_I64, 1, &parent);
-  if (status == CONCEG_OK)
-    status = load(validator, "/dictionary/tree_bar_offset", CONCEG_U64, 1, &offsets);
+  if (status == CONCEG_OK) status = load(validator, "/dictionary/tree_bar_offset", CONCEG_U64, 1, &offsets);
   if (status != CONCEG_OK || !parent || !offsets || !offsets_are_sound(offsets, parent->shape[0]))
     return status;
   uint64_t *mark = calloc(parent->shape[0] + 1, sizeof *mark);
@@ -191,7 +190,8 @@ static conceg_status check_labels(struct validator *validator) {
   const struct entry *label = tree_find(validator->doc->root, "/volumes/label");
   struct label_check check = {0};
   char expected[64], got[32];
-  if (!label || label->kind != ENTRY_ARRAY || label->dtype != CONCEG_U32 || !is_wanted(validator, label->path))
+  if (!label || label->kind != ENTRY_ARRAY || label->dtype != CONCEG_U32 ||
+      !is_wanted(validator, label->path))
     return CONCEG_OK;
   if (!find_extent(validator, &validator->doc->schema->group[0], "N", &check.cells)) return CONCEG_OK;
   const conceg_status status = doc_each_block(validator->doc, label, check_label_block, &check);
@@ -204,8 +204,7 @@ static conceg_status check_labels(struct validator *validator) {
 
 static conceg_status check_programs(struct validator *validator) {
   static const char *const columns[] = {"/provenance/stage", "/provenance/implementation",
-                                        "/provenance/implementation_version",
-                                        "/provenance/library_version"};
+                                        "/provenance/implementation_version", "/provenance/library_version"};
   for (size_t c = 0; c < sizeof columns / sizeof *columns; c++) {
     struct entry *column = NULL;
     if (!is_wanted(validator, columns[c])) continue;

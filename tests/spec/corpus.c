@@ -88,15 +88,24 @@ void corpus_delete(hid_t file, const char *path) {
 }
 
 static void put_program_rules(FILE *manifest) {
-  static const char *const rows[][2] = {{"CGX-014", "spec.conformance"}, {"CGX-015", "pipe.replace-stage"},
-                                        {"STR-002", "spec.conformance"}, {"STR-003", "cli.cli"},
-                                        {"STR-004", "cli.cli"},          {"STR-005", "cli.cli"},
-                                        {"STR-006", "spec.conformance"}, {"STR-010", "spec.conformance"},
-                                        {"STR-011", "pipe.replace-stage"},    {"STR-012", "pipe.replace-stage"},
-                                        {"STR-020", "cli.cli"},          {"STR-021", "cli.cli"},
-                                        {"STR-023", "cli.terminal"},     {"STR-024", "cli.terminal"},
-                                        {"STR-025", "cli.cli"},          {"STR-026", "cli.cli"},
-                                        {"STR-027", "unit.saving"},      {"STR-028", "faults.kill"},
+  static const char *const rows[][2] = {{"CGX-014", "spec.conformance"},
+                                        {"CGX-015", "pipe.replace-stage"},
+                                        {"STR-002", "spec.conformance"},
+                                        {"STR-003", "cli.cli"},
+                                        {"STR-004", "cli.cli"},
+                                        {"STR-005", "cli.cli"},
+                                        {"STR-006", "spec.conformance"},
+                                        {"STR-010", "spec.conformance"},
+                                        {"STR-011", "pipe.replace-stage"},
+                                        {"STR-012", "pipe.replace-stage"},
+                                        {"STR-020", "cli.cli"},
+                                        {"STR-021", "cli.cli"},
+                                        {"STR-023", "cli.terminal"},
+                                        {"STR-024", "cli.terminal"},
+                                        {"STR-025", "cli.cli"},
+                                        {"STR-026", "cli.cli"},
+                                        {"STR-027", "unit.saving"},
+                                        {"STR-028", "faults.kill"},
                                         {"STR-029", "cli.cli"}};
   for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
     fprintf(manifest, "-\ttest\t%s\t-\t%s\n", rows[i][0], rows[i][1]);

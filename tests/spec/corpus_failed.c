@@ -8,21 +8,20 @@
 enum { CELLS = BOX | TYPES, LINES = BOX | TYPES | SKELETON };
 
 /* A defect that the library itself can write. */
-#define FAIL(number, words, rule, parts, note, ...)                                                       \
+#define FAIL(number, words, rule, parts, note, ...)                                                          \
   do {                                                                                                       \
     conceg_doc *doc = corpus_doc(ctx, parts);                                                                \
-    __VA_ARGS__;                                                                                                  \
+    __VA_ARGS__;                                                                                             \
     corpus_save(maker, doc,                                                                                  \
                 corpus_file(maker, "failed/" number "-" words ".cgx", "invalid", "CGX-" rule, 3, note));     \
   } while (0)
 /* A defect that takes HDF5's own calls. */
-#define FAIL_FILE(number, words, verdict, rule, parts, note, ...)                                         \
+#define FAIL_FILE(number, words, verdict, rule, parts, note, ...)                                            \
   do {                                                                                                       \
-    const char *path =                                                                                       \
-        corpus_file(maker, "failed/" number "-" words ".cgx", verdict, "CGX-" rule, 3, note);                \
+    const char *path = corpus_file(maker, "failed/" number "-" words ".cgx", verdict, "CGX-" rule, 3, note); \
     corpus_save(maker, corpus_doc(ctx, parts), path);                                                        \
     hid_t file = damage_open(path), list = corpus_list();                                                    \
-    __VA_ARGS__;                                                                                                  \
+    __VA_ARGS__;                                                                                             \
     H5Pclose(list);                                                                                          \
     damage_close(file);                                                                                      \
   } while (0)
@@ -256,8 +255,8 @@ void make_stream(struct maker *maker) {
   conceg_free(image);
   const hid_t create = H5Pcreate(H5P_FILE_CREATE);
   H5Pset_obj_track_times(create, 0);
-  const char *path =
-      corpus_file(maker, "stream/0013-other-hdf5.cgx", "not-a-document", "CGX-002", 3, "HDF5 of another format");
+  const char *path = corpus_file(maker, "stream/0013-other-hdf5.cgx", "not-a-document", "CGX-002", 3,
+                                 "HDF5 of another format");
   const hid_t file = H5Fcreate(path, H5F_ACC_TRUNC, create, H5P_DEFAULT);
   CHECK(file >= 0);
   damage_close(file);

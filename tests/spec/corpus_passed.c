@@ -54,9 +54,9 @@ static void put_types(hid_t file) {
 static void make_forms(struct maker *maker) {
   const double fraction[2] = {0.25, 0.75};
   const hsize_t two = 2;
-  hid_t file = new_file(corpus_file(maker, "passed/0018-superblock-0.cgx", "valid", "-", 0,
-                                    "the oldest superblock"),
-                        H5F_LIBVER_EARLIEST, H5F_LIBVER_LATEST);
+  hid_t file =
+      new_file(corpus_file(maker, "passed/0018-superblock-0.cgx", "valid", "-", 0, "the oldest superblock"),
+               H5F_LIBVER_EARLIEST, H5F_LIBVER_LATEST);
   put_types(file);
   damage_close(file);
   file = new_file(corpus_file(maker, "passed/0019-superblock-3.cgx", "valid", "-", 0,
@@ -69,15 +69,14 @@ static void make_forms(struct maker *maker) {
   put_types(file);
   hid_t list = corpus_list();
   const hid_t space = H5Screate_simple(1, &two, NULL);
-  hid_t dataset =
-      H5Dcreate2(file, "/types/fraction", H5T_IEEE_F64BE, space, H5P_DEFAULT, list, H5P_DEFAULT);
+  hid_t dataset = H5Dcreate2(file, "/types/fraction", H5T_IEEE_F64BE, space, H5P_DEFAULT, list, H5P_DEFAULT);
   CHECK(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, fraction) >= 0);
   H5Dclose(dataset);
   damage_text_attribute(file, "/types/fraction", "unit", "1");
   damage_close(file);
-  file = new_file(corpus_file(maker, "passed/0021-compressed.cgx", "valid", "-", 0,
-                              "a chunked and compressed array"),
-                  H5F_LIBVER_V18, H5F_LIBVER_V18);
+  file = new_file(
+      corpus_file(maker, "passed/0021-compressed.cgx", "valid", "-", 0, "a chunked and compressed array"),
+      H5F_LIBVER_V18, H5F_LIBVER_V18);
   put_types(file);
   H5Pset_chunk(list, 1, &two);
   H5Pset_shuffle(list);
@@ -123,7 +122,8 @@ void make_passed(struct maker *maker) {
               corpus_file(maker, "passed/0007-donors.cgx", "valid", "-", 0, "cells name their donors"));
   save(maker, "passed/0008-bars.cgx", BOX | TYPES | BARS, "bars of a cell: offsets, parents");
   save(maker, "passed/0009-network.cgx", BOX | NETWORK, "a network with an edge through the box");
-  save(maker, "passed/0010-skeleton.cgx", BOX | TYPES | SKELETON, "points of a cell: offsets, parents, radii");
+  save(maker, "passed/0010-skeleton.cgx", BOX | TYPES | SKELETON,
+       "points of a cell: offsets, parents, radii");
   save(maker, "passed/0011-skeleton-of-bars.cgx", BOX | TYPES | BARS | SKELETON, "points name their bars");
   save(maker, "passed/0012-spheres.cgx", BOX | TYPES | SKELETON | SPHERES, "spheres along the segments");
   save(maker, "passed/0013-meshes.cgx", BOX | TYPES | MESHES, "two surfaces of four faces");

@@ -61,9 +61,9 @@ static void test_arrays(const char *cgx) {
 }
 
 static void test_rules(const char *cgx) {
-  static const char *const sources[] = {"validate.c",       "validate_form.c", "validate_values.c",
-                                        "validate_links.c", "validate_tissue.c", "stream.c",        "doc.c",
-                                        "h5_read.c"};
+  static const char *const sources[] = {
+      "validate.c", "validate_form.c", "validate_values.c", "validate_links.c", "validate_tissue.c",
+      "stream.c",   "doc.c",           "h5_read.c"};
   char path[64], rule[16];
   int rules = 0;
   for (size_t i = 0; i < sizeof sources / sizeof *sources; i++) {

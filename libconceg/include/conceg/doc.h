@@ -52,7 +52,8 @@ typedef struct conceg_problem {
   uint32_t size;
   uint32_t severity; /* 0 error (a MUST), 1 warning (a SHOULD) */
   const char *rule, *path, *expected, *got;
-  uint32_t rank, reserved; /* numbers in `index` that say which value it is; 0 = the array or group as a whole */
+  uint32_t rank,
+      reserved; /* numbers in `index` that say which value it is; 0 = the array or group as a whole */
   uint64_t index[4];
 } conceg_problem;
 typedef void (*conceg_problem_fn)(void *user, const conceg_problem *problem);
