@@ -4,6 +4,7 @@
 #include "cli.h"
 
 #include "cli_parse.h"
+#include "help.h"
 
 #include <errno.h>
 #include <stdarg.h>
@@ -126,7 +127,8 @@ int cli_begin(struct cli *cli, const struct cli_program *program, int argc, char
   code = cli_parse(cli, argc, argv);
   if (code != EXIT_OK) return code;
   if (cli->help) {
-    cli_print_help(program);
+    if (!help_print(program, cli->help_format))
+      return cli_fail(cli, EXIT_USAGE, "--help=%s: expected plain, man or list", cli->help_format);
     return cli_close_stdout(cli, EXIT_OK);
   }
   if (cli->version) {

@@ -29,6 +29,11 @@ struct cli_option {
   struct words *list; /* every value */
 };
 
+/* A word that a program takes before its options: "check" of conceg swc. */
+struct cli_word {
+  const char *name, *summary;
+};
+
 /* What a program is, for --help and for the parser. */
 struct cli_program {
   const char *name;  /* "conceg info" */
@@ -38,6 +43,7 @@ struct cli_program {
   const struct cli_option *options; /* its own, ending with a row without a name; NULL = none */
   const char *kind;                 /* a stage's word: unknown options become --set kind.name=value */
   const conceg_param *params;       /* the table that is known before the input is read; may be NULL */
+  const struct cli_word *words;     /* its words, ending with a row without a name; NULL = none */
   uint32_t most_words;              /* positional words allowed */
 };
 
@@ -49,6 +55,7 @@ struct cli {
   struct words sets, words; /* --set in order; positional words */
   struct words owned;       /* texts made by the parser */
   struct words unquoted; /* those of `sets` that came as --name of a parameter whose type was not known yet */
+  const char *help_format; /* of --help=FORMAT; NULL = the plain page */
   int quiet, verbose, json, version, help, allow_exec;
 };
 

@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COMMON_COUNT 16
-
 void words_add(struct words *words, const char *word) {
   if (words->count + 1 >= words->capacity) {
     const uint32_t capacity = words->capacity ? words->capacity * 2 : 16;
@@ -28,8 +26,7 @@ void words_free(struct words *words) {
   memset(words, 0, sizeof *words);
 }
 
-/* The options that every program has. `cli` may be a scratch one when only names and help are wanted. */
-static void common_options(struct cli *cli, struct cli_option out[COMMON_COUNT]) {
+void cli_common_options(struct cli *cli, struct cli_option out[COMMON_COUNT]) {
   const struct cli_option rows[] = {
       {"recipe", 'p', "RECIPE", "the recipe; for a later stage only its own section and seed", NULL,
        &cli->recipe, NULL},
@@ -148,6 +145,7 @@ static int parse_long(struct cli *cli, const struct cli_option *common, int argc
   const size_t length = equals ? (size_t)(equals - word) : strlen(word);
   const struct cli_option *option = find_option(cli->program->options, word, length, 0);
   if (!option) option = find_option(common, word, length, 0);
+  if (option && option->flag == &cli->help && equals) return cli->help_format = equals + 1, ++cli->help;
   if (!option && cli->program->kind) return apply_param(cli, word, equals, next);
   if (!option) {
     cli_fail(cli, EXIT_USAGE, "unknown option --%.*s (%s --help lists them)", (int)length, word,
@@ -181,7 +179,7 @@ static int parse_short(struct cli *cli, const struct cli_option *common, int arg
 int cli_parse(struct cli *cli, int argc, char **argv) {
   struct cli_option common[COMMON_COUNT];
   int i, used, only_words = 0;
-  common_options(cli, common);
+  cli_common_options(cli, common);
   words_add(&cli->sets, NULL), cli->sets.count = 0;
   words_add(&cli->words, NULL), cli->words.count = 0;
   for (i = 1; i < argc; i += used) {
@@ -199,53 +197,4 @@ int cli_parse(struct cli *cli, int argc, char **argv) {
   if (cli->help || cli->version || cli->words.count <= cli->program->most_words) return EXIT_OK;
   return cli_fail(cli, EXIT_USAGE, "unexpected word %s (usage: %s %s)",
                   cli->words.word[cli->program->most_words], cli->program->name, cli->program->usage);
-}
-
-/* ---- Help ---- */
-
-static void print_option(const struct cli_option *option) {
-  char left[64];
-  snprintf(left, sizeof left, "%c%c%s--%s%s%s", option->letter ? '-' : ' ',
-           option->letter ? option->letter : ' ', option->letter ? ", " : "  ", option->name,
-           option->value ? " " : "", option->value ? option->value : "");
-  printf("  %-30s %s\n", left, option->help);
-}
-
-void cli_print_params(FILE *out, const conceg_param *params) {
-  const conceg_param *row;
-  for (row = params; row && row->name; row++) {
-    char left[96], range[96] = "";
-    const int has_unit = row->unit && *row->unit && strcmp(row->unit, "1") != 0;
-    snprintf(left, sizeof left, "--%s", row->name);
-    if (row->type == CONCEG_PARAM_F64 || row->type == CONCEG_PARAM_I64)
-      snprintf(range, sizeof range, ", %g to %g", row->lo, row->hi);
-    else if (row->type == CONCEG_PARAM_BOOL)
-      snprintf(range, sizeof range, ", true or false");
-    fprintf(out, "  %-30s %s [%s%s%s%s%s%s%s]\n", left, row->help ? row->help : "",
-            *row->fallback ? row->fallback : "none", has_unit ? " " : "", has_unit ? row->unit : "", range,
-            row->choices ? ", one of " : "", row->choices ? row->choices : "",
-            row->type == CONCEG_PARAM_FILE ? ", a path" : "");
-  }
-}
-
-void cli_print_help(const struct cli_program *program) {
-  struct cli_option common[COMMON_COUNT];
-  struct cli scratch;
-  const struct cli_option *option;
-  memset(&scratch, 0, sizeof scratch);
-  common_options(&scratch, common);
-  printf("%s: %s\n\nusage: %s %s\n", program->name, program->summary, program->name, program->usage);
-  if (program->options && program->options->name) {
-    puts("\noptions of this program:");
-    for (option = program->options; option->name; option++)
-      print_option(option);
-  }
-  if (program->params && program->params->name) {
-    printf("\nparameters [default]; in a recipe they stand under %s:\n", program->kind);
-    cli_print_params(stdout, program->params);
-  }
-  puts("\noptions of every program:");
-  for (option = common; option->name; option++)
-    print_option(option);
-  if (program->example) printf("\nexample:\n  %s\n", program->example);
 }

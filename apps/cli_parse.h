@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * From argv to a struct cli, and the page that --help prints. */
+ * From argv to a struct cli. */
 #ifndef CONCEG_APPS_CLI_PARSE_H
 #define CONCEG_APPS_CLI_PARSE_H
 
@@ -7,6 +7,8 @@
 
 /* EXIT_OK, or EXIT_USAGE after an error line. */
 int cli_parse(struct cli *cli, int argc, char **argv);
-void cli_print_help(const struct cli_program *program);
+/* The options that every program has. `cli` may be a scratch one when only names and help are wanted. */
+#define COMMON_COUNT 16
+void cli_common_options(struct cli *cli, struct cli_option out[COMMON_COUNT]);
 
 #endif

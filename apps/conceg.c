@@ -4,6 +4,7 @@
 #include "cli.h"
 #include "stage_program.h"
 #include "tools.h"
+#include "topics.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -28,25 +29,31 @@ static const struct word tools[] = {
     {"swc", "check and repair SWC files", tool_swc},
     {NULL, NULL, NULL}};
 
-static void print_help(void) {
+#define WORDS_MOST 64
+
+/* The page of the umbrella: stages in the order of the pipe, tools, help and version. */
+static int print_help(int argc, char **argv) {
+  struct cli_word words[WORDS_MOST];
+  const struct cli_program program = {
+      .name = "conceg",
+      .usage = "WORD [options]    (conceg WORD --help says more)",
+      .summary = "dense grey-matter substrates grown from real cell reconstructions",
+      .example = "conceg run apps/recipes/cube.yaml --until mesh -o cube.cgx",
+      .words = words};
   const struct word *tool;
-  uint32_t i, j;
-  puts("conceg: dense grey-matter substrates grown from real cell reconstructions\n\nusage: conceg WORD "
-       "[options]    (conceg WORD --help "
-       "says more)\n\nstages, piped in this order:");
+  uint32_t i, j, count = 0;
+  struct cli cli;
   for (i = 0; conceg_pipeline_kind(i); i++)
     for (j = 0; conceg_builtins[j]; j++)
-      if (!strcmp(conceg_builtins[j]->kind, conceg_pipeline_kind(i)))
-        printf("  %-13s %s\n", conceg_builtins[j]->kind,
-               conceg_builtins[j]->summary ? conceg_builtins[j]->summary : "");
-  puts("\ntools:");
-  for (tool = tools; tool->name; tool++)
-    printf("  %-13s %s\n", tool->name, tool->summary);
-  puts("  help [WORD]   this page, or the page of a word\n  version       versions, libraries and "
-       "licence\n\nAny other word runs the program "
-       "conceg-WORD from PATH.\n\nexample:\n  conceg place -p recipe.yaml | conceg triangulate | conceg grow "
-       "| conceg relax | conceg mesh > "
-       "cube.cgx\n  conceg run recipe.yaml --until mesh -o cube.cgx");
+      if (!strcmp(conceg_builtins[j]->kind, conceg_pipeline_kind(i)) && count < WORDS_MOST / 2)
+        words[count++] = (struct cli_word){conceg_builtins[j]->kind,
+                                           conceg_builtins[j]->summary ? conceg_builtins[j]->summary : ""};
+  for (tool = tools; tool->name && count < WORDS_MOST - 3; tool++)
+    words[count++] = (struct cli_word){tool->name, tool->summary};
+  words[count++] = (struct cli_word){"help", "this page, the page of a word, or a topic (conceg help topics)"};
+  words[count++] = (struct cli_word){"version", "versions, libraries and licence"};
+  words[count] = (struct cli_word){NULL, NULL};
+  return cli_end(&cli, cli_begin(&cli, &program, argc, argv));
 }
 
 static int print_version(void) {
@@ -110,6 +117,13 @@ static int run_word(const char *word, int argc, char **argv) {
   return EXIT_USAGE;
 }
 
+static int is_word(const char *word) {
+  const struct word *tool;
+  for (tool = tools; tool->name; tool++)
+    if (!strcmp(tool->name, word)) return 1;
+  return is_stage_word(word);
+}
+
 int main(int argc, char **argv) {
   static char help_flag[] = "--help";
   const char *word = argc > 1 ? argv[1] : NULL;
@@ -118,13 +132,17 @@ int main(int argc, char **argv) {
     return EXIT_USAGE;
   }
   if (!strcmp(word, "help") && argc > 2) {
+    const int code = topic_print(argv[2], argc > 3 ? argv[3] : NULL);
+    if (code >= 0) return code;
+    if (!is_word(argv[2])) return topic_unknown(argv[2]);
     char *page[] = {argv[2], help_flag, NULL};
     return run_word(argv[2], 2, page);
   }
-  if (!strcmp(word, "help") || !strcmp(word, "--help") || !strcmp(word, "-h")) {
-    print_help();
-    return fflush(stdout) || ferror(stdout) ? EXIT_IO : EXIT_OK;
+  if (!strcmp(word, "help")) {
+    char *page[] = {argv[0], help_flag, NULL};
+    return print_help(2, page);
   }
+  if (!strncmp(word, "--help", 6) || !strcmp(word, "-h")) return print_help(argc, argv);
   if (!strcmp(word, "version") || !strcmp(word, "--version")) return print_version();
   if (*word == '-') {
     fprintf(stderr, "conceg: error: expected a word before %s (conceg help lists them)\n", word);

@@ -5,14 +5,20 @@
 
 #include "conceg/base.h"
 
+/* Name, number, meaning: the one table for programs, pages and spec/cli.md. */
+#define CONCEG_EXIT_CODES(X)                                                                                 \
+  X(EXIT_OK, 0, "done")                                                                                      \
+  X(EXIT_STAGE, 1, "a stage failed, or diff found differences")                                              \
+  X(EXIT_USAGE, 2, "wrong command line, recipe key or value")                                                \
+  X(EXIT_INPUT, 3, "the input document, or the recipe's YAML, is invalid; a group is missing")               \
+  X(EXIT_IO, 4, "input or output failed: no such file, disk full, closed pipe")                              \
+  X(EXIT_MISSING, 5, "a stage, plugin or library is missing or of another ABI")                              \
+  X(EXIT_CANCELLED, 6, "cancelled")
+
 enum {
-  EXIT_OK = 0,
-  EXIT_STAGE = 1, /* a stage failed, or a check found a difference */
-  EXIT_USAGE = 2, /* command line or recipe */
-  EXIT_INPUT = 3, /* the input document or file is invalid */
-  EXIT_IO = 4,
-  EXIT_MISSING = 5, /* a stage, plugin or library is not there */
-  EXIT_CANCELLED = 6
+#define CONCEG_EXIT_ROW(name, number, meaning) name = number,
+  CONCEG_EXIT_CODES(CONCEG_EXIT_ROW)
+#undef CONCEG_EXIT_ROW
 };
 
 static inline int exit_code(conceg_status status) {

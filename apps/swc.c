@@ -98,16 +98,21 @@ int swc_choices(struct cli *cli, const char *floating, const char *somata, uint3
 }
 
 int tool_swc(int argc, char **argv) {
+  static const struct cli_word words[] = {{"check", "every problem of SWC files, and whether they are accepted"},
+                                          {"repair", "write what can be read as plain SWC"},
+                                          {NULL, NULL}};
+  static const struct cli_program program = {
+      .name = "conceg swc",
+      .usage = "check|repair FILES|FOLDERS... [options]",
+      .summary = "check and repair SWC files (spec/swc-plus.md)",
+      .example = "conceg swc check --strict cells/ || conceg swc repair cells/ -o repaired/",
+      .words = words};
   const char *const word = argc > 1 ? argv[1] : "";
   if (!strcmp(word, "check")) return swc_check(argc - 1, argv + 1);
   if (!strcmp(word, "repair")) return swc_repair(argc - 1, argv + 1);
-  if (!strcmp(word, "--help") || !strcmp(word, "-h")) {
-    puts("conceg swc: check and repair SWC files (spec/swc-plus.md)\n\n"
-         "usage: conceg swc check FILES|FOLDERS... [--strict] [--json]\n"
-         "       conceg swc repair FILE|FOLDER -o FILE|FOLDER [options]\n\n"
-         "conceg swc check --help and conceg swc repair --help say more.\n\n"
-         "example:\n  conceg swc check --strict cells/ || conceg swc repair cells/ -o repaired/");
-    return fflush(stdout) || ferror(stdout) ? EXIT_IO : EXIT_OK;
+  if (!strncmp(word, "--help", 6) || !strcmp(word, "-h")) {
+    struct cli cli;
+    return cli_end(&cli, cli_begin(&cli, &program, argc, argv));
   }
   fprintf(stderr,
           "usage: conceg swc check|repair FILES|FOLDERS... [options]\nconceg swc: error: expected check or "
