@@ -34,12 +34,12 @@ static const struct word tools[] = {
 /* The page of the umbrella: stages in the order of the pipe, tools, help and version. */
 static int print_help(int argc, char **argv) {
   struct cli_word words[WORDS_MOST];
-  const struct cli_program program = {
-      .name = "conceg",
-      .usage = "WORD [options]    (conceg WORD --help says more)",
-      .summary = "dense grey-matter substrates grown from real cell reconstructions",
-      .example = "conceg run apps/recipes/cube.yaml --until mesh -o cube.cgx",
-      .words = words};
+  const struct cli_program program = {.name = "conceg",
+                                      .usage = "WORD [options]    (conceg WORD --help says more)",
+                                      .summary =
+                                          "dense grey-matter substrates grown from real cell reconstructions",
+                                      .example = "conceg run recipe.yaml --until mesh -o cube.cgx",
+                                      .words = words};
   const struct word *tool;
   uint32_t i, j, count = 0;
   struct cli cli;
@@ -50,7 +50,8 @@ static int print_help(int argc, char **argv) {
                                            conceg_builtins[j]->summary ? conceg_builtins[j]->summary : ""};
   for (tool = tools; tool->name && count < WORDS_MOST - 3; tool++)
     words[count++] = (struct cli_word){tool->name, tool->summary};
-  words[count++] = (struct cli_word){"help", "this page, the page of a word, or a topic (conceg help topics)"};
+  words[count++] =
+      (struct cli_word){"help", "this page, the page of a word, or a topic (conceg help topics)"};
   words[count++] = (struct cli_word){"version", "versions, libraries and licence"};
   words[count] = (struct cli_word){NULL, NULL};
   return cli_end(&cli, cli_begin(&cli, &program, argc, argv));
@@ -134,9 +135,10 @@ int main(int argc, char **argv) {
   if (!strcmp(word, "help") && argc > 2) {
     const int code = topic_print(argv[2], argc > 3 ? argv[3] : NULL);
     if (code >= 0) return code;
-    if (!is_word(argv[2])) return topic_unknown(argv[2]);
     char *page[] = {argv[2], help_flag, NULL};
-    return run_word(argv[2], 2, page);
+    if (is_word(argv[2])) return run_word(argv[2], 2, page);
+    const int started = run_program(argv[2], page);
+    return started ? started : topic_unknown(argv[2]);
   }
   if (!strcmp(word, "help")) {
     char *page[] = {argv[0], help_flag, NULL};

@@ -14,8 +14,8 @@ void help_bounds(const conceg_param *row, char *out, size_t size) {
   else if (row->type == CONCEG_PARAM_BOOL)
     snprintf(range, sizeof range, ", true or false");
   snprintf(out, size, "%s%s%s%s%s%s%s", *row->fallback ? row->fallback : "none", has_unit ? " " : "",
-           has_unit ? row->unit : "", range, row->choices ? ", one of " : "", row->choices ? row->choices : "",
-           row->type == CONCEG_PARAM_FILE ? ", a path" : "");
+           has_unit ? row->unit : "", range, row->choices ? ", one of " : "",
+           row->choices ? row->choices : "", row->type == CONCEG_PARAM_FILE ? ", a path" : "");
 }
 
 static void print_option(const struct cli_option *option) {
@@ -75,7 +75,7 @@ static void print_list(const struct cli_program *program, const struct cli_optio
   list_options(program->options);
   for (row = program->params; row && row->name; row++)
     printf("param\t--%s\t-\t%s\t%s\n", row->name,
-           row->choices                      ? row->choices
+           row->choices                     ? row->choices
            : row->type == CONCEG_PARAM_BOOL ? "true|false"
            : row->type == CONCEG_PARAM_FILE ? "FILE"
                                             : "VALUE",

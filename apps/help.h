@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * The pages of a program, all from its struct cli_program: plain text, a man page, lines for shell completion. */
+ * The pages of a program, all from its struct cli_program: plain text, a man page, lines for shell
+ * completion. */
 #ifndef CONCEG_APPS_HELP_H
 #define CONCEG_APPS_HELP_H
 
 #include "cli.h"
 
-/* Prints the page on standard output. `format` is NULL or "plain", "man" or "list"; 0 = there is no such format. */
+/* Prints the page on standard output. `format` is NULL or "plain", "man" or "list"; 0 = there is no such
+ * format. */
 int help_print(const struct cli_program *program, const char *format);
 void help_print_man(const struct cli_program *program, const struct cli_option *common);
 /* "[0.5 um, 0 to 10]": default, unit and range of a parameter without the brackets. */

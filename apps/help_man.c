@@ -118,8 +118,9 @@ void help_print_man(const struct cli_program *program, const struct cli_option *
   if (program->params && program->params->name) put_params(program);
   puts(".SH OPTIONS");
   put_options(common);
-  puts(".SH INPUT AND OUTPUT\nStandard output carries data alone; messages and progress go to standard error. "
-       "A document is never written to a terminal, and a file appears whole or not at all.");
+  puts(
+      ".SH INPUT AND OUTPUT\nStandard output carries data alone; messages and progress go to standard error. "
+      "A document is never written to a terminal, and a file appears whole or not at all.");
   put_exit_codes();
   put_environment();
   if (program->example) {

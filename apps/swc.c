@@ -98,9 +98,10 @@ int swc_choices(struct cli *cli, const char *floating, const char *somata, uint3
 }
 
 int tool_swc(int argc, char **argv) {
-  static const struct cli_word words[] = {{"check", "every problem of SWC files, and whether they are accepted"},
-                                          {"repair", "write what can be read as plain SWC"},
-                                          {NULL, NULL}};
+  static const struct cli_word words[] = {
+      {"check", "every problem of SWC files, and whether they are accepted"},
+      {"repair", "write what can be read as plain SWC"},
+      {NULL, NULL}};
   static const struct cli_program program = {
       .name = "conceg swc",
       .usage = "check|repair FILES|FOLDERS... [options]",

@@ -30,8 +30,11 @@ typedef int (*conceg_progress_fn)(void *user, const char *what, uint64_t done, u
 CONCEG_API conceg_ctx *conceg_ctx_new(void);
 CONCEG_API void conceg_ctx_free(conceg_ctx *ctx);
 
+/* Lines up to `level` go to `fn`, which may come from any thread; NULL = no log. `user` is borrowed. */
 CONCEG_API void conceg_ctx_set_log(conceg_ctx *ctx, conceg_log_level level, conceg_log_fn fn, void *user);
+/* Who is told of progress and may cancel; NULL = nobody. `user` is borrowed. */
 CONCEG_API void conceg_ctx_set_progress(conceg_ctx *ctx, conceg_progress_fn fn, void *user);
+/* The seed of all random draws of the stages that run next; 1 in a new context. */
 CONCEG_API void conceg_ctx_set_seed(conceg_ctx *ctx, uint64_t seed);
 CONCEG_API uint64_t conceg_ctx_seed(const conceg_ctx *ctx);
 /* Number of worker threads, >= 1; 0 sets one per processor. Results never depend on it. */

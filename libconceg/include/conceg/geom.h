@@ -15,6 +15,7 @@ typedef struct conceg_box {
   uint8_t periodic[3];
 } conceg_box;
 
+/* Length of the box along axis 0, 1 or 2, in um. */
 static inline double conceg_box_side(const conceg_box *box, int axis) {
   return box->hi[axis] - box->lo[axis];
 }

@@ -69,6 +69,7 @@ CONCEG_API conceg_status conceg_recipe_set(conceg_ctx *ctx, conceg_recipe *recip
 /* Canonical YAML of the whole recipe; borrowed until the recipe changes. NULL when out of memory. */
 CONCEG_API const char *conceg_recipe_text(conceg_recipe *recipe);
 
+/* The mapping at the top, borrowed from the recipe. */
 CONCEG_API const conceg_node *conceg_recipe_root(const conceg_recipe *recipe);
 /* Value under a dotted path from a mapping ("domain.size_um"); NULL when absent. */
 CONCEG_API const conceg_node *conceg_node_get(const conceg_node *node, const char *path);

@@ -8,6 +8,7 @@
 #include <stdint.h>
 #include <string.h>
 
+/* 2 to the power of `exponent`, which must be from -1022 to 1023. */
 static inline double conceg_pow2i(int exponent) {
   const uint64_t bits = (uint64_t)(exponent + 1023) << 52;
   double value;
@@ -85,6 +86,7 @@ static inline double conceg_cos(double x) {
   return c;
 }
 
+/* Arc tangent in radians, from -pi/2 to pi/2. */
 static inline double conceg_atan(double x) {
   double y = x < 0.0 ? -x : x, y2, sum = 0.0, value;
   const int inverted = y > 1.0;

@@ -15,6 +15,7 @@ typedef struct conceg_rng {
   uint64_t counter; /* next draw; may be set to jump */
 } conceg_rng;
 
+/* A one-to-one scrambling of 64 bits. */
 static inline uint64_t conceg_rng_mix(uint64_t x) {
   /* SplitMix64 finaliser: spreads small seeds and stage numbers over the key. */
   x += 0x9e3779b97f4a7c15ull;
@@ -41,6 +42,7 @@ static inline conceg_rng conceg_rng_stream(uint64_t seed, const char *stage, uin
   return rng;
 }
 
+/* The next 64 random bits; counts one draw. */
 static inline uint64_t conceg_rng_u64(conceg_rng *rng) {
   uint32_t c0 = (uint32_t)rng->counter, c1 = (uint32_t)(rng->counter >> 32), c2 = rng->id[0], c3 = rng->id[1];
   uint32_t k0 = rng->key[0], k1 = rng->key[1];
