@@ -48,6 +48,6 @@ _conceg() {
   choices=$(awk -F '\t' '$1 == "word" { print $2 }' <<<"$list")
   if [[ -n $choices ]]; then COMPREPLY=($(compgen -W "$choices" -- "$current"))
   elif [[ ${words[0]} == params ]]; then COMPREPLY=($(compgen -W "$("$program" stages 2>/dev/null | awk '{ print $1 }')" -- "$current"))
-  else COMPREPLY=($(compgen -d -- "$current") $(compgen -f -X '!*.@(cgx|yaml|yml|swc)' -- "$current")); fi
+  else mapfile -t COMPREPLY < <(compgen -d -- "$current"; compgen -f -- "$current" | grep -E '\.(cgx|yaml|yml|swc)$'); fi
 }
 complete -F _conceg conceg
