@@ -59,6 +59,7 @@ typedef struct conceg_type_view {
   uint32_t size, reserved;
   const char *name, *class_name; /* "L2/3 pyramidal", "pyramidal" */
 } conceg_type_view;
+/* Number of cell types. */
 CONCEG_API uint64_t conceg_substrate_types(const conceg_substrate *substrate);
 /* E_RANGE for an index past the end, here and below. */
 CONCEG_API conceg_status conceg_substrate_type(const conceg_substrate *substrate, uint64_t type,
@@ -72,7 +73,9 @@ typedef struct conceg_cell_view {
   double soma[3]; /* in the box */
   double soma_radius;
 } conceg_cell_view;
+/* Number of cells. */
 CONCEG_API uint64_t conceg_substrate_cells(const conceg_substrate *substrate);
+/* Cell number `cell`, borrowed from the substrate; out->size must be set. Errors: E_RANGE, E_USAGE. */
 CONCEG_API conceg_status conceg_substrate_cell(const conceg_substrate *substrate, uint64_t cell,
                                                conceg_cell_view *out) CONCEG_NODISCARD;
 /* Index of the cell with this id; E_MISSING when there is none. */
@@ -89,6 +92,7 @@ typedef struct conceg_skeleton_view {
   const float *target_radius; /* [count] */
   const uint32_t *branch;     /* [count], run between forks; NULL when the document has none */
 } conceg_skeleton_view;
+/* The skeleton of cell number `cell`, borrowed; out->size must be set. Errors: E_RANGE, E_USAGE. */
 CONCEG_API conceg_status conceg_substrate_skeleton(const conceg_substrate *substrate, uint64_t cell,
                                                    conceg_skeleton_view *out) CONCEG_NODISCARD;
 
@@ -112,7 +116,9 @@ typedef struct conceg_mesh_view {
   uint32_t closed; /* 1 = its maker found it closed; 0 = not, or not stated */
   uint32_t reserved;
 } conceg_mesh_view;
+/* Number of surfaces; 0 when the document has none. */
 CONCEG_API uint64_t conceg_substrate_meshes(const conceg_substrate *substrate);
+/* Surface number `mesh`, borrowed; out->size must be set. Errors: E_RANGE, E_USAGE. */
 CONCEG_API conceg_status conceg_substrate_mesh(const conceg_substrate *substrate, uint64_t mesh,
                                                conceg_mesh_view *out) CONCEG_NODISCARD;
 
