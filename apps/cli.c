@@ -4,6 +4,7 @@
 #include "cli.h"
 
 #include "cli_parse.h"
+#include "contain.h"
 #include "help.h"
 
 #include <errno.h>
@@ -168,6 +169,7 @@ int cli_open(struct cli *cli, const char *path, conceg_doc **out) {
                     "no input: name a .cgx file, or pipe a document into standard input (--help says more)");
   }
   progress_phase(&cli->progress, "read", cli->program->kind);
+  contain_input(cli, is_stdio(path) ? "standard input" : path);
   signals_waiting(1);
   status = conceg_doc_open(cli->ctx, is_stdio(path) ? "-" : path, out);
   signals_waiting(0);

@@ -11,7 +11,8 @@
 #include <unistd.h>
 
 static volatile sig_atomic_t running;
-static char who[200]; /* "conceg relax: error: relax (beads)" */
+static char who[200];    /* "conceg relax: error: relax (beads)" */
+static char input[1200]; /* "conceg info: error: a.cgx"; empty before a document is opened */
 
 /* Only what a signal handler may call. */
 static void say(const char *text) {
@@ -26,7 +27,13 @@ static void on_crash(int number) {
     say(number < 10 ? digits + 1 : digits);
     say("; nothing was written\n");
   }
-  if (running && !getenv("CONCEG_CORE")) _exit(EXIT_STAGE);
+  if (!running && *input) {
+    say(input);
+    say(": damaged: the program crashed while it read the document: signal ");
+    say(number < 10 ? digits + 1 : digits);
+    say("\n");
+  }
+  if ((running || *input) && !getenv("CONCEG_CORE")) _exit(running ? EXIT_STAGE : EXIT_INPUT);
   signal(number, SIG_DFL);
   raise(number);
 }
@@ -59,6 +66,11 @@ static void install(void) {
 #else
   (void)on_crash;
 #endif
+}
+
+void contain_input(const struct cli *cli, const char *name) {
+  install();
+  snprintf(input, sizeof input, "%.60s: error: %.1000s", cli->program->name, name);
 }
 
 conceg_status contain_stage(struct cli *cli, const conceg_stage *stage, conceg_doc *doc,

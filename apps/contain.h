@@ -13,4 +13,8 @@
 conceg_status contain_stage(struct cli *cli, const conceg_stage *stage, conceg_doc *doc,
                             const conceg_params *params);
 
+/* From here on a crash outside of stages is blamed on the document `name`: an error line and EXIT_INPUT. HDF5
+ * does not survive every damaged file. */
+void contain_input(const struct cli *cli, const char *name);
+
 #endif

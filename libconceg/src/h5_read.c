@@ -12,6 +12,10 @@
 enum { MAXIMUM_OBJECTS = 1000000, NAME_BYTES = 512 };
 /* A compressed array may claim this many times the length of its file. */
 static const uint64_t maximum_inflation = 256;
+/* What the tree may take: this many times the length of the file, and this much besides (CGX-016). */
+static const uint64_t tree_factor = 64, tree_extra = (uint64_t)16 << 20;
+/* Strings of variable length in one attribute: HDF5 reads them at once, each as long as the file may be. */
+enum { MAXIMUM_ATTRIBUTE_STRINGS = 64 };
 
 struct scan {
   struct h5_file *file;
@@ -19,7 +23,7 @@ struct scan {
   const struct schema *schema;
   struct entry *entry; /* the group, or the dataset whose attributes are read */
   hid_t object;
-  uint64_t *objects;
+  uint64_t *objects, *tree_bytes; /* so far, in the whole file */
   int depth;
   conceg_status status;
 };
@@ -31,6 +35,38 @@ static conceg_status fail(const struct scan *scan, conceg_status status, const c
 
 static conceg_status out_of_memory(const struct scan *scan, const char *name) {
   return fail(scan, CONCEG_E_NOMEM, name, "out of memory");
+}
+
+/* Memory for strings of variable length: many of them may refer to the same bytes of the file. */
+struct string_room {
+  uint64_t left;
+};
+
+static void *take_string(size_t bytes, void *user) {
+  struct string_room *room = user;
+  if (bytes > room->left) return NULL;
+  room->left -= bytes;
+  return malloc(bytes);
+}
+
+static void free_string(void *memory, void *user) {
+  (void)user;
+  free(memory);
+}
+
+static uint64_t at_most(uint64_t length, uint64_t factor, uint64_t extra) {
+  return length <= (UINT64_MAX - extra) / factor ? length * factor + extra : UINT64_MAX;
+}
+
+/* Reads into a zeroed block. What was read of strings before a failure is given back by the caller. */
+static herr_t read_strings(hid_t object, int attribute, hid_t memory, uint64_t most, void *block) {
+  if (attribute) return H5Aread(object, memory, block);
+  struct string_room room = {most};
+  const hid_t list = H5Pcreate(H5P_DATASET_XFER);
+  herr_t result = H5Pset_vlen_mem_manager(list, take_string, &room, free_string, NULL);
+  if (result >= 0) result = H5Dread(object, memory, H5S_ALL, H5S_ALL, list, block);
+  H5Pclose(list);
+  return result;
 }
 
 /* Reads all strings of an open attribute or dataset. */
@@ -46,19 +82,23 @@ static conceg_status read_texts(struct budget *budget, const struct h5_file *fil
   if (!block) return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "%s: out of memory", path);
   const hid_t memory = h5_text_type(form->variable_text ? H5T_VARIABLE : width, H5Tget_cset(type));
   conceg_status status = CONCEG_OK;
-  if (count && h5_read_all(object, attribute, memory, block) < 0)
-    status = h5_fail(ctx, CONCEG_E_FORMAT, file->name, path, "cannot be read");
+  if (count &&
+      read_strings(object, attribute, memory, at_most(file->length, maximum_inflation, 0), block) < 0)
+    status =
+        h5_fail(ctx, CONCEG_E_FORMAT, file->name, path,
+                form->variable_text ? "cannot be read, or its strings are above 256 times the file (CGX-016)"
+                                    : "cannot be read");
   else if (form->variable_text) {
     char **strings = (char **)(void *)block;
     for (uint64_t i = 0; i < count; i++)
       if (!strings[i] && !(strings[i] = calloc(1, 1)))
         status = conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "%s: out of memory", path);
     if (status == CONCEG_OK) status = texts_copy(budget, path, (const char *const *)strings, count, out);
-    if (count) H5Dvlen_reclaim(memory, space, H5P_DEFAULT, block);
   } else {
     status =
         texts_from_fixed(budget, path, block, width, count, H5Tget_strpad(type) == H5T_STR_SPACEPAD, out);
   }
+  if (form->variable_text && count) H5Dvlen_reclaim(memory, space, H5P_DEFAULT, block);
   H5Tclose(memory);
   free(block);
   return status;
@@ -70,17 +110,30 @@ static void set_form(struct entry *entry, const struct h5_form *form) {
   memcpy(entry->shape, form->shape, sizeof entry->shape);
 }
 
-/* Makes an entry and hands it to its parent. NULL when out of memory. */
+/* Makes an entry and hands it to its parent, unsorted. NULL when out of memory. */
 static struct entry *add_entry(struct scan *scan, enum entry_kind kind, const char *name, int attribute) {
   struct entry *entry = entry_new(kind, scan->entry, name, attribute, scan->schema);
-  if (entry && entry_attach(scan->budget, entry)) return entry;
+  if (entry && entry_append(entry)) return entry;
   entry_free(scan->budget, entry);
   return NULL;
 }
 
+/* One object may have many names, and so make more of a tree than its file has bytes. */
+static conceg_status count_bytes(const struct scan *scan, const char *name, uint64_t bytes) {
+  const uint64_t limit = at_most(scan->file->length, tree_factor, tree_extra);
+  *scan->tree_bytes += bytes;
+  if (*scan->tree_bytes <= limit) return CONCEG_OK;
+  return conceg_ctx_fail(scan->budget->ctx, CONCEG_E_FORMAT,
+                         "%s: %.200s%s: names and attributes take more than %llu bytes, too many for a file "
+                         "of %llu bytes (CGX-016)",
+                         scan->file->name, scan->entry->path, name, (unsigned long long)limit,
+                         (unsigned long long)scan->file->length);
+}
+
 static conceg_status count_object(const struct scan *scan, const char *name) {
-  if (++*scan->objects <= MAXIMUM_OBJECTS) return CONCEG_OK;
-  return fail(scan, CONCEG_E_FORMAT, name, "expected at most 1000000 objects in a file (CGX-005)");
+  if (++*scan->objects > MAXIMUM_OBJECTS)
+    return fail(scan, CONCEG_E_FORMAT, name, "expected at most 1000000 objects in a file (CGX-005)");
+  return count_bytes(scan, name, sizeof(struct entry) + strlen(scan->entry->path) + 2 * strlen(name));
 }
 
 static conceg_status scan_attribute(const struct scan *scan, struct entry *entry, hid_t attribute) {
@@ -97,13 +150,17 @@ static conceg_status scan_attribute(const struct scan *scan, struct entry *entry
                   "the attribute claims more bytes than the file has (CGX-006)");
   } else {
     set_form(entry, &form);
-    if (form.dtype == CONCEG_TEXT)
+    if (form.variable_text && entry_count(entry) > MAXIMUM_ATTRIBUTE_STRINGS)
+      status = fail(scan, CONCEG_E_FORMAT, entry->name,
+                    "expected at most 64 strings of variable length in an attribute (CGX-016)");
+    else if (form.dtype == CONCEG_TEXT)
       status =
           read_texts(scan->budget, scan->file, entry->path, attribute, 1, type, space, &form, &entry->store);
     else if ((status = store_new(scan->budget, entry->path, form.bytes, &entry->store)) == CONCEG_OK &&
              form.bytes && h5_read_all(attribute, 1, h5_memory_type(form.dtype), entry->store.data) < 0)
       status = h5_fail(scan->budget->ctx, CONCEG_E_FORMAT, scan->file->name, entry->path, "cannot be read");
   }
+  if (status == CONCEG_OK) status = count_bytes(scan, entry->name, entry->store.bytes);
   H5Tclose(type);
   H5Sclose(space);
   return status;
@@ -135,7 +192,36 @@ static conceg_status scan_attributes(struct scan *scan) {
       scan->status == CONCEG_OK)
     scan->status = h5_fail(scan->budget->ctx, CONCEG_E_FORMAT, scan->file->name, scan->entry->path,
                            "attributes cannot be listed");
+  entry_sort(scan->budget, scan->entry, 1);
   return scan->status;
+}
+
+/* The filters of ConCeG's files: each can tell, or is bounded by, the size of what it makes; HDF5's others
+ * take it from the file. */
+static int is_known_pipeline(hid_t list) {
+  const int count = H5Pget_nfilters(list);
+  unsigned seen = 0;
+  for (int i = 0; i < count; i++) {
+    unsigned flags, configuration;
+    size_t values = 0;
+    const H5Z_filter_t filter =
+        H5Pget_filter2(list, (unsigned)i, &flags, &values, NULL, 0, NULL, &configuration);
+    if (filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_FLETCHER32)
+      return 0;
+    if (seen & 1u << filter) return 0;
+    seen |= 1u << filter;
+  }
+  return count >= 0;
+}
+
+/* HDF5 takes memory for one whole chunk, however little of it is used. */
+static uint64_t chunk_bytes(hid_t list, const struct h5_form *form) {
+  hsize_t extent[4] = {0};
+  uint64_t bytes = form->width;
+  const int rank = H5Pget_chunk(list, 4, extent);
+  for (int axis = 0; axis < rank && axis < 4; axis++)
+    if (__builtin_mul_overflow(bytes, (uint64_t)extent[axis], &bytes)) return UINT64_MAX;
+  return bytes;
 }
 
 /* Compares what a dataset claims with what the file can hold. */
@@ -144,13 +230,23 @@ static conceg_status check_storage(const struct scan *scan, const char *name, hi
   const hid_t list = H5Dget_create_plist(dataset);
   const H5D_layout_t layout = H5Pget_layout(list);
   const int external = H5Pget_external_count(list);
+  const int known = layout != H5D_CHUNKED || is_known_pipeline(list);
+  const uint64_t chunk = layout == H5D_CHUNKED ? chunk_bytes(list, form) : 0;
   H5Pclose(list);
   const uint64_t length = scan->file->length;
   if (external > 0 || layout == H5D_VIRTUAL)
     return fail(scan, CONCEG_E_FORMAT, name,
                 "expected values inside the file, got a reference to another file (CGX-005)");
-  const uint64_t limit =
-      layout == H5D_CHUNKED && length <= UINT64_MAX / maximum_inflation ? length * maximum_inflation : length;
+  if (!known)
+    return fail(
+        scan, CONCEG_E_FORMAT, name,
+        "expected no filter but deflate, shuffle and fletcher32, each once; repack the file (CGX-016)");
+  const uint64_t limit = layout == H5D_CHUNKED ? at_most(length, maximum_inflation, 0) : length;
+  if (chunk > at_most(length, maximum_inflation, tree_extra))
+    return conceg_ctx_fail(scan->budget->ctx, CONCEG_E_FORMAT,
+                           "%s: %s%s: a chunk claims %llu bytes, too many for a file of %llu bytes (CGX-016)",
+                           scan->file->name, scan->entry->path, name, (unsigned long long)chunk,
+                           (unsigned long long)length);
   const haddr_t offset = layout == H5D_CONTIGUOUS ? H5Dget_offset(dataset) : HADDR_UNDEF;
   const int beyond = offset != HADDR_UNDEF && (offset > length || form->bytes > length - offset);
   if (form->bytes > limit || beyond)
@@ -236,15 +332,21 @@ static conceg_status scan_group(struct scan *scan) {
       scan->status == CONCEG_OK)
     scan->status =
         h5_fail(scan->budget->ctx, CONCEG_E_FORMAT, scan->file->name, scan->entry->path, "cannot be listed");
+  entry_sort(scan->budget, scan->entry, 0);
   return scan->status;
 }
 
 conceg_status h5_scan(struct h5_file *file, struct budget *budget, const struct schema *schema,
                       struct entry *root) {
-  uint64_t objects = 0;
+  uint64_t objects = 0, tree_bytes = 0;
   h5_lock();
-  struct scan scan = {
-      .file = file, .budget = budget, .schema = schema, .entry = root, .objects = &objects, .depth = 1};
+  struct scan scan = {.file = file,
+                      .budget = budget,
+                      .schema = schema,
+                      .entry = root,
+                      .objects = &objects,
+                      .tree_bytes = &tree_bytes,
+                      .depth = 1};
   scan.object = H5Gopen2(file->id, "/", H5P_DEFAULT);
   conceg_status status;
   if (scan.object < 0)

@@ -114,9 +114,62 @@ static size_t lower_bound(struct entry *const *list, size_t count, const struct 
 struct entry *entry_child(const struct entry *entry, const char *name, size_t length, int attribute) {
   struct entry *const *list = attribute ? entry->attr : entry->child;
   const size_t count = attribute ? entry->attrs : entry->children;
-  for (size_t i = 0; i < count; i++)
-    if (strncmp(list[i]->name, name, length) == 0 && !list[i]->name[length]) return list[i];
+  size_t hi = count, lo = 0;
+  /* Those that the schema knows come first and are few; the rest, which may be a million, follows by name. */
+  for (; lo < count && list[lo]->order != UINT32_MAX; lo++)
+    if (strncmp(list[lo]->name, name, length) == 0 && !list[lo]->name[length]) return list[lo];
+  while (lo < hi) {
+    const size_t middle = lo + (hi - lo) / 2;
+    int order = strncmp(list[middle]->name, name, length);
+    if (!order) order = list[middle]->name[length] != '\0';
+    if (!order) return list[middle];
+    if (order < 0)
+      lo = middle + 1;
+    else
+      hi = middle;
+  }
   return NULL;
+}
+
+static int make_room(struct entry ***list, size_t count, size_t *room) {
+  if (count < *room) return 1;
+  const size_t more = *room ? *room * 2 : 8;
+  struct entry **grown = realloc(*list, more * sizeof *grown);
+  if (!grown) return 0;
+  *list = grown;
+  *room = more;
+  return 1;
+}
+
+int entry_append(struct entry *entry) {
+  struct entry *parent = entry->parent;
+  if (entry->attribute) {
+    if (!make_room(&parent->attr, parent->attrs, &parent->attr_room)) return 0;
+    parent->attr[parent->attrs++] = entry;
+  } else {
+    if (!make_room(&parent->child, parent->children, &parent->child_room)) return 0;
+    parent->child[parent->children++] = entry;
+  }
+  return 1;
+}
+
+static int compare_places(const void *a, const void *b) {
+  return compare(*(struct entry *const *)a, *(struct entry *const *)b);
+}
+
+void entry_sort(struct budget *budget, struct entry *parent, int attributes) {
+  struct entry **list = attributes ? parent->attr : parent->child;
+  size_t *count = attributes ? &parent->attrs : &parent->children, kept = 0;
+  if (*count < 2) return;
+  qsort(list, *count, sizeof *list, compare_places);
+  for (size_t i = 1; i < *count; i++) {
+    if (compare(list[kept], list[i]) == 0) /* only a damaged file gives a name twice */
+      entry_free(budget, list[kept]);
+    else
+      kept++;
+    list[kept] = list[i];
+  }
+  *count = kept + 1;
 }
 
 int entry_attach(struct budget *budget, struct entry *entry) {
@@ -130,13 +183,7 @@ int entry_attach(struct budget *budget, struct entry *entry) {
     (*list)[place] = entry;
     return 1;
   }
-  if (*count == *room) {
-    const size_t more = *room ? *room * 2 : 8;
-    struct entry **grown = realloc(*list, more * sizeof *grown);
-    if (!grown) return 0;
-    *list = grown;
-    *room = more;
-  }
+  if (!make_room(list, *count, room)) return 0;
   if (place < *count) memmove(*list + place + 1, *list + place, (*count - place) * sizeof **list);
   (*list)[place] = entry;
   (*count)++;

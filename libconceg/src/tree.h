@@ -59,6 +59,10 @@ struct entry *entry_child(const struct entry *entry, const char *name, size_t le
  * changed). */
 int entry_attach(struct budget *budget, struct entry *entry);
 void entry_detach(struct entry *entry);
+/* For many at once: puts an entry last among its parent's, 0 when out of memory; then sorts the parent's
+ * children (or attributes) and keeps the last of each name. */
+int entry_append(struct entry *entry);
+void entry_sort(struct budget *budget, struct entry *parent, int attributes);
 
 uint64_t entry_count(const struct entry *entry); /* values; text: strings */
 uint64_t entry_bytes(const struct entry *entry); /* of the values; 0 for text */

@@ -19,6 +19,7 @@ struct reader {
   const char *name;
   yaml_parser_t parser;
   uint32_t nodes;
+  size_t copied; /* bytes of text that aliases stood for */
   struct anchor *anchors;
   size_t anchor_count, anchor_capacity;
   conceg_status status;
@@ -53,6 +54,8 @@ static int next_event(struct reader *reader, yaml_event_t *event) {
 static int add_anchor(struct reader *reader, const char *name, const conceg_node *node) {
   struct anchor *anchor;
   if (!name) return 1;
+  if (reader->anchor_count == YAML_MAX_ANCHORS)
+    return fail_at(reader, node->line, "more than 256 anchors"), 0;
   if (reader->anchor_count == reader->anchor_capacity) {
     const size_t capacity = reader->anchor_capacity ? reader->anchor_capacity * 2 : 8;
     struct anchor *anchors = realloc(reader->anchors, capacity * sizeof *anchors);
@@ -78,6 +81,14 @@ static uint32_t count_nodes(const conceg_node *node) {
   uint32_t total = 1, i;
   for (i = 0; i < node->count && total < YAML_MAX_NODES; i++)
     total += count_nodes(node->child[i]);
+  return total;
+}
+
+static size_t count_text(const conceg_node *node) {
+  size_t total = node->text ? strlen(node->text) : 0;
+  uint32_t i;
+  for (i = 0; i < node->count; i++)
+    total += count_text(node->child[i]) + (node->key ? strlen(node->key[i]) : 0);
   return total;
 }
 
@@ -111,6 +122,9 @@ static conceg_node *read_alias(struct reader *reader, const yaml_event_t *event,
   if (!within_bounds(reader, count_nodes(reader->anchors[i - 1].node),
                      depth + node_depth(reader->anchors[i - 1].node) - 1, line))
     return NULL;
+  reader->copied += count_text(reader->anchors[i - 1].node);
+  if (reader->copied > YAML_MAX_COPIED)
+    return fail_at(reader, line, "aliases stand for more than 16 MiB of text"), NULL;
   copy = node_clone(reader->anchors[i - 1].node);
   if (!copy) fail_memory(reader);
   return copy;
@@ -128,7 +142,7 @@ static conceg_node *read_scalar(struct reader *reader, const yaml_event_t *event
                          (uint32_t)line);
   if (!node || !add_anchor(reader, (const char *)event->data.scalar.anchor, node)) {
     node_free(node);
-    fail_memory(reader);
+    if (reader->status == CONCEG_OK) fail_memory(reader);
     return NULL;
   }
   return node;
@@ -166,7 +180,7 @@ static conceg_node *read_collection(struct reader *reader, const yaml_event_t *s
   node = node_new(is_map ? NODE_MAP : NODE_LIST, (uint32_t)start->start_mark.line + 1);
   if (!node || !add_anchor(reader, (const char *)anchor, node)) {
     node_free(node);
-    fail_memory(reader);
+    if (reader->status == CONCEG_OK) fail_memory(reader);
     return NULL;
   }
   while (reader->status == CONCEG_OK) {

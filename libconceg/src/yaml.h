@@ -13,6 +13,8 @@
 #define YAML_MAX_NODES 1000000u
 #define YAML_MAX_DEPTH 32u
 #define YAML_MAX_KEYS 4096u /* of one map: keys are looked up one by one */
+#define YAML_MAX_ANCHORS 256u
+#define YAML_MAX_COPIED YAML_MAX_BYTES /* keys and values that aliases stand for */
 
 enum node_kind { NODE_SCALAR = 1, NODE_LIST = 2, NODE_MAP = 3 };
 
