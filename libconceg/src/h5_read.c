@@ -146,13 +146,18 @@ static conceg_status scan_attribute(const struct scan *scan, struct entry *entry
     entry->why = strdup(why);
     if (!entry->why) status = out_of_memory(scan, entry->name);
   } else if (form.bytes > scan->file->length) {
-    status = fail(scan, CONCEG_E_FORMAT, entry->name,
-                  "the attribute claims more bytes than the file has (CGX-006)");
+    status = conceg_ctx_fail(
+        scan->budget->ctx, CONCEG_E_FORMAT,
+        "%s: %s: expected at most the %llu bytes of the file, got an attribute of %llu (CGX-006)",
+        scan->file->name, entry->path, (unsigned long long)scan->file->length,
+        (unsigned long long)form.bytes);
   } else {
     set_form(entry, &form);
     if (form.variable_text && entry_count(entry) > MAXIMUM_ATTRIBUTE_STRINGS)
-      status = fail(scan, CONCEG_E_FORMAT, entry->name,
-                    "expected at most 64 strings of variable length in an attribute (CGX-016)");
+      status = conceg_ctx_fail(
+          scan->budget->ctx, CONCEG_E_FORMAT,
+          "%s: %s: expected at most %d strings of variable length in an attribute, got %llu (CGX-016)",
+          scan->file->name, entry->path, MAXIMUM_ATTRIBUTE_STRINGS, (unsigned long long)entry_count(entry));
     else if (form.dtype == CONCEG_TEXT)
       status =
           read_texts(scan->budget, scan->file, entry->path, attribute, 1, type, space, &form, &entry->store);
