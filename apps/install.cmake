@@ -14,7 +14,8 @@ export(EXPORT conceg-targets NAMESPACE conceg:: FILE ${CMAKE_BINARY_DIR}/cmake/c
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/libconceg/include/conceg DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
 # Header-only helpers for stages in C++: exceptions, views, parallel loops, the periodic box.
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/stages/common/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/conceg/stage FILES_MATCHING PATTERN "*.hpp"
-        PATTERN tests EXCLUDE)
+        PATTERN tests EXCLUDE PATTERN metrics.hpp EXCLUDE PATTERN statistics_table.hpp EXCLUDE
+        PATTERN swc_document.hpp EXCLUDE)
 install(DIRECTORY DESTINATION ${CMAKE_INSTALL_LIBDIR}/conceg/plugins)
 install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/conceg/examples)
 

@@ -88,27 +88,6 @@ Bars read_bars(conceg_doc *doc, const Cells &cells) {
   return b;
 }
 
-void write_table(conceg_doc *doc, const Table &table) {
-  for (const Column &column : table.columns) {
-    const std::string path = "/statistics/" + table.name + "/" + column.name;
-    std::vector<const char *> strings(column.texts.size());
-    std::transform(column.texts.begin(), column.texts.end(), strings.begin(),
-                   [](const std::string &s) { return s.c_str(); });
-    conceg_array array = {};
-    array.size = sizeof array;
-    array.rank = 1;
-    array.shape[0] = column.rows();
-    array.unit = column.unit.c_str();
-    array.dtype = column.type == Column::text    ? CONCEG_TEXT
-                  : column.type == Column::whole ? CONCEG_U64
-                                                 : CONCEG_F64;
-    array.data = column.type == Column::text    ? static_cast<const void *>(strings.data())
-                 : column.type == Column::whole ? static_cast<const void *>(column.wholes.data())
-                                                : static_cast<const void *>(column.reals.data());
-    must(conceg_doc_write(doc, path.c_str(), &array));
-  }
-}
-
 void log_table(conceg_ctx *ctx, const Table &table) {
   conceg_ctx_log(ctx, CONCEG_LOG_INFO, "--- %s", table.name.c_str());
   for (const std::string &line : table.lines())

@@ -7,7 +7,7 @@
 #include "field.hpp"
 #include "morphometry.hpp"
 #include "points.hpp"
-#include "table.hpp"
+#include "statistics_table.hpp"
 #include "volumes.hpp"
 
 namespace conceg::analyse {

@@ -5,6 +5,8 @@
 #include "astrocyte.hpp"
 #include "dictionary.hpp"
 #include "guard.hpp"
+#include "measures.hpp"
+#include "output.hpp"
 #include "preprocess.hpp"
 #include "table.hpp"
 #include "view.hpp"
@@ -22,7 +24,7 @@ constexpr const char *stage_name = "characterise";
 struct Options {
   Cleaning cleaning;
   AstrocyteRules astrocyte;
-  std::string root, table_folder;
+  std::string root, table_folder, metrics;
   std::uint64_t astrocyte_donors = 0;
   std::uint32_t swc_flags = 0;
 };
@@ -99,8 +101,8 @@ Donor make_donor(const TableRow &row, const Cell &cell, const std::string &path)
   return donor;
 }
 
-void add_reconstruction(conceg_ctx *ctx, Dictionary &dictionary, EntrySums &sums, const TableRow &row,
-                        const Options &options) {
+void add_reconstruction(conceg_ctx *ctx, Dictionary &dictionary, EntrySums &sums, Measures &measures,
+                        const TableRow &row, const Options &options) {
   const std::string path = find_file(options, row.file);
   conceg_swc *raw = nullptr;
   const conceg_status status = conceg_swc_read(ctx, path.c_str(), options.swc_flags, &raw);
@@ -122,10 +124,16 @@ void add_reconstruction(conceg_ctx *ctx, Dictionary &dictionary, EntrySums &sums
          path.c_str());
 
   Cleaned left_out;
-  cell.trees = clean_trees(copy_samples(swc.get()), cell.soma, cell.soma_radius, rules, left_out);
+  const Samples samples = copy_samples(swc.get());
+  cell.trees = clean_trees(samples, cell.soma, cell.soma_radius, rules, left_out);
   if (cell.trees.empty()) fail(CONCEG_E_FORMAT, "%s: expected trees on the soma, got none", path.c_str());
   const Donor donor = make_donor(row, cell, path);
   const CellFigures f = add_cell(dictionary, sums, donor, cell);
+  if (options.metrics != "none") {
+    const metrics::Samples measured =
+        options.metrics == "read" ? whole_cell(samples, cell.soma, cell.soma_radius) : whole_cell(cell);
+    measures.add(row.entry, donor.id, metrics::measure(measured, sholl_step_um));
+  }
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
                  "%s %s: %zu trees, %zu bars, %zu branches; order %.2f, branch %.1f um, angle %.1f degree, "
                  "straightness %.3f, radius %.3f um, "
@@ -170,6 +178,7 @@ Options read_options(const conceg_params *params, const std::string &table) {
   o.astrocyte.branch_length_um = conceg_params_f64(params, "astrocyte_branch_um");
   o.astrocyte.territory_radius_um = conceg_params_f64(params, "astrocyte_territory_um");
   o.astrocyte_donors = static_cast<std::uint64_t>(conceg_params_i64(params, "astrocyte_donors"));
+  o.metrics = conceg_params_text(params, "metrics");
   o.swc_flags = conceg_params_bool(params, "strict") ? CONCEG_SWC_STRICT : 0;
   return o;
 }
@@ -222,11 +231,25 @@ void write_dictionary(conceg_doc *doc, const Dictionary &d) {
   put(doc, "/dictionary/bar_tip_distance", d.bar_tip_distance);
 }
 
+// Tables of the document and, where a folder is named, files.
+void write_measures(conceg_doc *doc, const Measures &measures, const std::string &folder) {
+  if (!measures.cells().rows()) return;
+  if (!folder.empty()) make_folder(folder);
+  for (const Table *table : {&measures.sections(), &measures.cells(), &measures.sholl()}) {
+    write_table(doc, *table);
+    if (folder.empty()) continue;
+    OutputFile file(folder + "/" + table->name + ".csv");
+    file.write(table->csv());
+    file.commit();
+  }
+}
+
 void run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   const std::string table = conceg_params_text(params, "table");
   const std::vector<TableRow> rows = read_rows(params, table);
   const Options options = read_options(params, table);
   Dictionary dictionary;
+  Measures measures;
   for (std::size_t i = 0; i < rows.size();) {
     std::size_t end = i;
     std::string note;
@@ -242,11 +265,12 @@ void run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
           row.file.substr(row.file.size() - 4) == ".csv")
         add_astrocytes(ctx, dictionary, sums, row, options);
       else
-        add_reconstruction(ctx, dictionary, sums, row, options);
+        add_reconstruction(ctx, dictionary, sums, measures, row, options);
     }
     close_entry(dictionary, sums);
   }
   write_dictionary(doc, dictionary);
+  write_measures(doc, measures, conceg_params_text(params, "csv"));
   must(conceg_ctx_progress(ctx, "reading cells", rows.size(), rows.size()));
 }
 
@@ -272,6 +296,11 @@ const conceg_param parameters[] = {
      1e4},
     {"lowest_radius_um", "um", "smaller radii are raised to this", "0.05", nullptr, CONCEG_PARAM_F64, 0, 1e-3,
      10},
+    {"metrics", "",
+     "tables of metrics per section and cell (/statistics): of the cells as cleaned or as read, or none",
+     "cleaned", "cleaned|read|none", CONCEG_PARAM_CHOICE, 0, 0, 0},
+    {"csv", "", "folder for the same tables as comma-separated files; made when absent", "", nullptr,
+     CONCEG_PARAM_FILE, 0, 0, 0},
     {"strict", "", "read SWC strictly: warnings marked S are errors", "false", nullptr, CONCEG_PARAM_BOOL, 0,
      0, 0},
     {"astrocyte_donors", "1", "cells to make of each table of astrocyte barcodes", "16", nullptr,
@@ -284,7 +313,7 @@ const conceg_param parameters[] = {
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0},
 };
 const char *const nothing[] = {nullptr};
-const char *const writes[] = {"/dictionary", nullptr};
+const char *const writes[] = {"/dictionary", "/statistics", nullptr};
 
 conceg_status run_stage(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   return guard(ctx, stage_name, [&] { run(ctx, doc, params); });

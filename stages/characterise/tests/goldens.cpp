@@ -1,84 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Barcodes, sections and angles of real cells against figures made with NeuroM and TMD
 // (CONCEG_SHARED/goldens).
-#include "check.h"
+#include "golden.hpp"
 
 #include "barcode.hpp"
 #include "sections.hpp"
 
-#include "conceg/swc.h"
-
 #include <algorithm>
 #include <array>
-#include <fstream>
-#include <map>
-#include <sstream>
-#include <string>
 
 using namespace conceg;
 using namespace conceg::characterise;
+using golden::Json;
 
 namespace {
-
-// Enough of JSON for the golden file.
-struct Json {
-  double number = 0.0;
-  std::string text;
-  std::vector<Json> items;
-  std::map<std::string, Json> members;
-  const Json &at(const char *key) const { return members.at(key); }
-};
-
-class Parser {
-public:
-  explicit Parser(const std::string &text) : p_(text.c_str()) {}
-  Json value() {
-    Json out;
-    space();
-    if (*p_ == '{' || *p_ == '[') {
-      const bool object = *p_++ == '{';
-      for (space(); *p_ && *p_ != '}' && *p_ != ']'; space()) {
-        if (*p_ == ',') {
-          p_++;
-          continue;
-        }
-        if (object) {
-          const std::string key = string();
-          space(), p_++;
-          out.members[key] = value();
-        } else
-          out.items.push_back(value());
-      }
-      p_++;
-    } else if (*p_ == '"')
-      out.text = string();
-    else {
-      char *stop;
-      out.number = std::strtod(p_, &stop);
-      if (stop == p_) stop++; // true, false, null: letter by letter
-      p_ = stop;
-      while (*p_ >= 'a' && *p_ <= 'z')
-        p_++;
-    }
-    return out;
-  }
-
-private:
-  void space() {
-    while (*p_ == ' ' || *p_ == '\n' || *p_ == '\t' || *p_ == '\r')
-      p_++;
-  }
-  std::string string() {
-    std::string out;
-    for (p_++; *p_ && *p_ != '"'; p_++) {
-      if (*p_ == '\\') p_++;
-      out += *p_;
-    }
-    p_++;
-    return out;
-  }
-  const char *p_;
-};
 
 using Barcode = std::vector<std::array<double, 2>>; // {death, birth}
 
@@ -101,14 +36,14 @@ std::vector<Tree> whole_trees(const conceg_swc *swc) {
   return trees;
 }
 
-void check_barcodes(const std::vector<Tree> &trees, const Json &golden) {
+void check_barcodes(const std::vector<Tree> &trees, const Json &figures) {
   std::vector<Barcode> ours, theirs;
   for (const Tree &tree : trees) {
     ours.emplace_back();
     for (const Bar &bar : find_bars(tree))
       ours.back().push_back({bar.death, bar.birth});
   }
-  for (const Json &tree : golden.at("trees").items) {
+  for (const Json &tree : figures.at("trees").items) {
     theirs.emplace_back();
     for (const Json &bar : tree.at("bars").items)
       theirs.back().push_back({bar.items[0].number, bar.items[1].number});
@@ -130,7 +65,7 @@ void check_barcodes(const std::vector<Tree> &trees, const Json &golden) {
   }
 }
 
-void check_figures(const std::vector<Tree> &trees, const Json &golden) {
+void check_figures(const std::vector<Tree> &trees, const Json &figures) {
   double sections = 0.0, length = 0.0, order = 0.0, angle = 0.0, tau = 0.0;
   std::size_t forks = 0;
   for (const Tree &tree : trees) {
@@ -141,31 +76,24 @@ void check_figures(const std::vector<Tree> &trees, const Json &golden) {
     for (double a : fork_angles(tree))
       angle += a, forks++;
   }
-  CHECK_NEAR(sections, golden.at("number_of_sections").number, 0);
-  CHECK_NEAR(length, golden.at("total_length").number, 1e-6 * length);
-  CHECK_NEAR(order / sections, golden.at("branch_order_mean").number, 1e-9);
-  CHECK_NEAR(tau / sections, golden.at("tau_mean").number, 1e-5);
-  CHECK_NEAR(angle / static_cast<double>(forks) * 57.29577951308232, golden.at("local_angle_mean").number,
+  CHECK_NEAR(sections, figures.at("number_of_sections").number, 0);
+  CHECK_NEAR(length, figures.at("total_length").number, 1e-6 * length);
+  CHECK_NEAR(order / sections, figures.at("branch_order_mean").number, 1e-9);
+  CHECK_NEAR(tau / sections, figures.at("tau_mean").number, 1e-5);
+  CHECK_NEAR(angle / static_cast<double>(forks) * 57.29577951308232, figures.at("local_angle_mean").number,
              1e-3);
 }
 
 } // namespace
 
 int main() {
-  if (!check_shared()) SKIP("CONCEG_SHARED is not set: no golden figures");
-  const std::string folder = std::string(check_shared()) + "/goldens/morphology/";
-  std::ifstream in(folder + "goldens.json");
-  if (!in) SKIP("no goldens/morphology/goldens.json in CONCEG_SHARED");
-  std::ostringstream text;
-  text << in.rdbuf();
-  const std::string json = text.str();
-  const Json golden = Parser(json).value();
+  const Json figures = golden::load();
   conceg_ctx *ctx = conceg_ctx_new();
-  CHECK(golden.at("cells").members.size() >= 7);
-  for (const auto &[name, cell] : golden.at("cells").members) {
+  CHECK(figures.at("cells").members.size() >= 7);
+  for (const auto &[name, cell] : figures.at("cells").members) {
     const int failed = check_failed_;
     conceg_swc *swc = nullptr;
-    CHECK_EQUAL(conceg_swc_read(ctx, (folder + cell.at("file").text).c_str(), 0, &swc), CONCEG_OK);
+    CHECK_EQUAL(conceg_swc_read(ctx, (golden::folder() + cell.at("file").text).c_str(), 0, &swc), CONCEG_OK);
     const std::vector<Tree> trees = whole_trees(swc);
     check_barcodes(trees, cell.at("path_barcode"));
     check_figures(trees, cell.at("ref64_all"));

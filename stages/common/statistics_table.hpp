@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tables of text and numbers, as they go to /statistics and to the log.
+// Tables of text and numbers, as they go to /statistics, to the log and to files.
 #pragma once
+
+#include "conceg/doc.h"
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
-namespace conceg::analyse {
+namespace conceg {
 
 struct Column {
   enum Type { text, whole, real } type;
@@ -34,6 +36,9 @@ public:
   std::size_t rows() const { return columns.empty() ? 0 : columns.front().rows(); }
   // The table as lines of aligned text: the names, then the rows.
   std::vector<std::string> lines() const;
+  // Comma-separated values (RFC 4180): a line of names with units, as length_um, then the rows; numbers read
+  // back as the same double.
+  std::string csv() const;
 
   std::string name;
   std::vector<Column> columns;
@@ -42,4 +47,7 @@ private:
   Column &at(const char *column, Column::Type type, const char *unit);
 };
 
-} // namespace conceg::analyse
+// Puts the table into the document as /statistics/<name>, in place of an earlier one.
+void write_table(conceg_doc *doc, const Table &table);
+
+} // namespace conceg
