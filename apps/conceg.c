@@ -34,12 +34,13 @@ static const struct word tools[] = {
 /* The page of the umbrella: stages in the order of the pipe, tools, help and version. */
 static int print_help(int argc, char **argv) {
   struct cli_word words[WORDS_MOST];
-  const struct cli_program program = {.name = "conceg",
-                                      .usage = "WORD [options]    (conceg WORD --help says more)",
-                                      .summary =
-                                          "dense grey-matter substrates grown from real cell reconstructions",
-                                      .example = "conceg run recipe.yaml --until mesh -o cube.cgx",
-                                      .words = words};
+  const struct cli_program program = {
+      .name = "conceg",
+      .usage = "WORD [options]    (conceg WORD --help says more)",
+      .summary = "dense grey-matter substrates grown from real cell reconstructions",
+      .example = "conceg run recipe.yaml --until mesh -o cube.cgx\n  conceg place -p recipe.yaml | "
+                 "conceg triangulate | conceg grow | conceg relax | conceg mesh > cube.cgx",
+      .words = words};
   const struct word *tool;
   uint32_t i, j, count = 0;
   struct cli cli;

@@ -6,6 +6,13 @@
 
 #include "cli.h"
 
+/* Variables of the environment that the programs look at: name, meaning. */
+#define CONCEG_ENVIRONMENT(X)                                                                                \
+  X("CONCEG_STAGE_PATH", "folders of plugins, separated by colons; an empty element is the install folder")  \
+  X("TMPDIR", "folder for what does not fit in memory and for streams (default /tmp)")                       \
+  X("PATH", "where programs conceg-WORD and those of impl: exec:PROG are looked for")                        \
+  X("CONCEG_CORE", "when set, a crash keeps its signal, so that a core file can be had")
+
 /* Prints the page on standard output. `format` is NULL or "plain", "man" or "list"; 0 = there is no such
  * format. */
 int help_print(const struct cli_program *program, const char *format);

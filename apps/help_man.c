@@ -90,10 +90,9 @@ static void put_exit_codes(void) {
 
 static void put_environment(void) {
   puts(".SH ENVIRONMENT");
-  put_row("CONCEG_STAGE_PATH", NULL, "folders of plugins, separated by colons");
-  put_row("TMPDIR", NULL, "folder for data that does not fit the memory (default /tmp)");
-  put_row("PATH", NULL, "where programs conceg-WORD and those of impl: exec:PROG are looked for");
-  put_row("CONCEG_CORE", NULL, "when set, a crash of a stage leaves a core file");
+#define ENVIRONMENT_ROW(name, meaning) put_row(name, NULL, meaning);
+  CONCEG_ENVIRONMENT(ENVIRONMENT_ROW)
+#undef ENVIRONMENT_ROW
 }
 
 void help_print_man(const struct cli_program *program, const struct cli_option *common) {

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * The topics of conceg help: each is a file of spec/ or one section of it, so that there is one text only. */
+ * The topics of conceg help: each is a file of spec/, one section of it, or a table that the man
+ * pages print too, so that there is one text only. */
 #include "topics.h"
 
 #include "exitcode.h"
+#include "help.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -12,7 +14,7 @@ extern const char conceg_spec_cli[], conceg_spec_cgx[], conceg_spec_schema[], co
 
 struct topic {
   const char *name, *summary, *text;
-  const char *section; /* its "## " heading; NULL = the whole file */
+  const char *section; /* its "## " heading; NULL = the whole file. Without a text: the environment */
 };
 
 static const struct topic topics[] = {
@@ -24,6 +26,8 @@ static const struct topic topics[] = {
     {"values", "which of several values holds: --set, -p, the document, defaults; seeds", conceg_spec_cli,
      "Values"},
     {"exit-codes", "what the exit codes mean", conceg_spec_cli, "Exit codes"},
+    {"environment", "variables of the environment", NULL, NULL},
+    {"units", "names and units", conceg_spec_cgx, "2. Names and units"},
     {"format", "arrays of a document with types, shapes and units; conceg help format /cells: one group",
      conceg_spec_schema, NULL},
     {"cgx", "the rules of the format", conceg_spec_cgx, NULL},
@@ -80,6 +84,12 @@ int topic_print(const char *name, const char *detail) {
   while (topic->name && strcmp(topic->name, name) != 0)
     topic++;
   if (!topic->name) return -1;
+  if (!topic->text) {
+#define ENVIRONMENT_ROW(variable, meaning) printf("  %-18s %s\n", variable, meaning);
+    CONCEG_ENVIRONMENT(ENVIRONMENT_ROW)
+#undef ENVIRONMENT_ROW
+    return finish();
+  }
   if (detail && topic->text == conceg_spec_schema) {
     if (print_group(detail)) return finish();
     fprintf(stderr, "conceg help: error: %s: no such group (conceg help format lists them)\n", detail);
