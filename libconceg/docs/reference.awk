@@ -10,7 +10,16 @@ BEGIN {
       if (n >= 4 && line !~ /^#/) since[column[2]] = column[4]
     }
   }
-  if (!check) print "<!doctype html><meta charset=utf-8><title>ConCeG: C API</title><style>body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em}pre{background:#f4f4f4;padding:.6em;overflow:auto}h2{border-top:1px solid #999;padding-top:1em}small{color:#666}nav a{margin-right:1em}</style><h1>ConCeG: C API</h1><p>Made from the headers' comments." > html
+  if (!check) {
+    print "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width\"><title>ConCeG: C API</title>" > html
+    print "<style>body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em}pre{background:#f4f4f4;padding:.6em;overflow:auto}" > html
+    print "h2{border-top:1px solid #999;padding-top:1em}small{color:#666}nav a{margin-right:1em}</style><h1>ConCeG: C API</h1><p>Made from the headers' comments.<nav>" > html
+    for (i = 1; i < ARGC; i++) {
+      name = ARGV[i]; sub(/.*\//, "", name)
+      if (name ~ /[.]h$/) printf "<a href=\"#%s\">%s</a> ", name, name > html
+    }
+    print "</nav>" > html
+  }
 }
 
 FNR == 1 {
@@ -89,8 +98,8 @@ function finish(kind,   entry, own, lines) {
     if (own == "") { missing++; if (check) print name ": " entry " has no docstring" }
   }
   if (check) return
-  gsub(/(CONCEG_API|CONCEG_EXPORT) /, "", declared)
-  gsub(/[ \n]*(CONCEG_NODISCARD|CONCEG_PRINTF\([0-9, ]*\))/, "", declared)
+  if (declared !~ /^#define/) gsub(/(CONCEG_API|CONCEG_EXPORT) /, "", declared)
+  if (declared !~ /^#define/) gsub(/[ \n]*(CONCEG_NODISCARD|CONCEG_PRINTF\([0-9, ]*\))/, "", declared)
   printf ".SS %s\n.nf\n%s\n.fi\n", roff(entry), roff(declared) > page
   if (own != "") printf ".PP\n%s\n", roff(own) > page
   if (entry in since) printf ".PP\nSince %s.\n", since[entry] > page
