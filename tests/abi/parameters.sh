@@ -6,5 +6,5 @@ python=${CONCEG_PYTHON:-}
 [ -n "${4:-}" ] || exec "$python" "$(dirname -- "$0")/parameters.py" "$1" "$2"
 log=$(CONCEG_STAGE_PATH=$3 "$python" "$(dirname -- "$0")/parameters.py" "$1" "$2" --plant "$4")
 status=$?
-echo "$log"
+echo "$log" | sed "s,^,planted: ,"
 [ "$status" -eq 1 ] && echo "$log" | grep -q "FAILED: relax.radius_um: .*: no byte of the output changes"
