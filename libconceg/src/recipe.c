@@ -214,8 +214,8 @@ conceg_status conceg_recipe_set(conceg_ctx *ctx, conceg_recipe *recipe, const ch
   }
   problem = put_at(recipe->root, path, value);
   if (problem)
-    status = conceg_ctx_fail(ctx, problem == short_of_memory ? CONCEG_E_NOMEM : CONCEG_E_PARAM, "--set %.80s: %s",
-                             assignment, problem);
+    status = conceg_ctx_fail(ctx, problem == short_of_memory ? CONCEG_E_NOMEM : CONCEG_E_PARAM,
+                             "--set %.80s: %s", assignment, problem);
   else
     status = recipe_check(ctx, recipe->root);
   if (status != CONCEG_OK) {

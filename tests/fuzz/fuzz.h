@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * What the fuzz targets share. A target is one function over bytes: libFuzzer searches for those that break it, and runs the
- * files that it is given. */
+ * What the fuzz targets share. A target is one function over bytes: libFuzzer searches for those that break
+ * it, and runs the files that it is given. */
 #ifndef CONCEG_TESTS_FUZZ_H
 #define CONCEG_TESTS_FUZZ_H
 

@@ -60,24 +60,27 @@ static void make_open(struct maker *maker) {
     H5Pset_chunk(list, 1, &chunk);
     damage_dataset(file, "/x_values", H5T_IEEE_F64LE, 1, &huge, list, NULL);
   });
-  FAIL_FILE("0160", "filter", "not-a-document", "016", BOX, "a filter that is not deflate, shuffle or fletcher32", {
-    H5Pset_chunk(list, 1, &three);
-    H5Pset_nbit(list);
-    damage_dataset(file, "/x_values", H5T_IEEE_F64LE, 1, &three, list, NULL);
-  });
-  FAIL_FILE("0161", "many-strings", "not-a-document", "016", BOX, "an attribute with 65 strings of variable length", {
-    static const char *strings[65];
-    const hsize_t many = 65;
-    const hid_t type = H5Tcopy(H5T_C_S1);
-    for (int i = 0; i < 65; i++)
-      strings[i] = "word";
-    H5Tset_size(type, H5T_VARIABLE);
-    corpus_dataset(file, "/x_values", H5T_IEEE_F64LE, 1, &three, list, values, "um");
-    const hid_t owner = H5Dopen2(file, "/x_values", H5P_DEFAULT), space = H5Screate_simple(1, &many, NULL);
-    const hid_t attribute = H5Acreate2(owner, "words", type, space, H5P_DEFAULT, H5P_DEFAULT);
-    H5Awrite(attribute, type, strings);
-    H5Aclose(attribute), H5Sclose(space), H5Dclose(owner), H5Tclose(type);
-  });
+  FAIL_FILE("0160", "filter", "not-a-document", "016", BOX,
+            "a filter that is not deflate, shuffle or fletcher32", {
+              H5Pset_chunk(list, 1, &three);
+              H5Pset_nbit(list);
+              damage_dataset(file, "/x_values", H5T_IEEE_F64LE, 1, &three, list, NULL);
+            });
+  FAIL_FILE("0161", "many-strings", "not-a-document", "016", BOX,
+            "an attribute with 65 strings of variable length", {
+              static const char *strings[65];
+              const hsize_t many = 65;
+              const hid_t type = H5Tcopy(H5T_C_S1);
+              for (int i = 0; i < 65; i++)
+                strings[i] = "word";
+              H5Tset_size(type, H5T_VARIABLE);
+              corpus_dataset(file, "/x_values", H5T_IEEE_F64LE, 1, &three, list, values, "um");
+              const hid_t owner = H5Dopen2(file, "/x_values", H5P_DEFAULT),
+                          space = H5Screate_simple(1, &many, NULL);
+              const hid_t attribute = H5Acreate2(owner, "words", type, space, H5P_DEFAULT, H5P_DEFAULT);
+              H5Awrite(attribute, type, strings);
+              H5Aclose(attribute), H5Sclose(space), H5Dclose(owner), H5Tclose(type);
+            });
   FAIL_FILE("0070", "name", "invalid", "007", CELLS, "a blank in a name",
             corpus_dataset(file, "/cells/soma volume", H5T_IEEE_F64LE, 1, &three, list, values, "um^3"));
   FAIL_FILE("0080", "compound", "invalid", "008", CELLS, "a compound inside a known group", {
