@@ -11,6 +11,7 @@ struct h5_file {
   hid_t id;
   uint64_t length;
   char *name;
+  int heaps_checked;
 };
 
 void h5_lock(void);
@@ -28,5 +29,9 @@ hid_t h5_text_type(size_t width, H5T_cset_t cset);
 
 /* Reads all values of an open attribute or dataset. */
 herr_t h5_read_all(hid_t object, int attribute, hid_t type, void *buffer);
+
+/* Before a string of variable length is read: E_FORMAT when a heap of the file is damaged. The file is looked
+ * through once; `path` is for messages. */
+conceg_status h5_check_heaps(conceg_ctx *ctx, struct h5_file *file, const char *path);
 
 #endif

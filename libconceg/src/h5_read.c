@@ -70,10 +70,14 @@ static herr_t read_strings(hid_t object, int attribute, hid_t memory, uint64_t m
 }
 
 /* Reads all strings of an open attribute or dataset. */
-static conceg_status read_texts(struct budget *budget, const struct h5_file *file, const char *path,
-                                hid_t object, int attribute, hid_t type, hid_t space,
-                                const struct h5_form *form, struct store *out) {
+static conceg_status read_texts(struct budget *budget, struct h5_file *file, const char *path, hid_t object,
+                                int attribute, hid_t type, hid_t space, const struct h5_form *form,
+                                struct store *out) {
   conceg_ctx *ctx = budget->ctx;
+  if (form->variable_text) {
+    const conceg_status damaged = h5_check_heaps(ctx, file, path);
+    if (damaged != CONCEG_OK) return damaged;
+  }
   uint64_t count = 1;
   for (uint32_t axis = 0; axis < form->rank; axis++)
     count *= form->shape[axis];

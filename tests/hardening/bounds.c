@@ -197,6 +197,30 @@ static void plant_strings(hid_t file) {
   fclose(bytes);
 }
 
+/* The bytes of an array look like heaps of strings, each inside the one before. */
+static void plant_heaps(hid_t file) {
+  const hsize_t count = (hsize_t)16 << 20;
+  unsigned char *bytes = calloc(count, 1);
+  for (uint64_t at = 0; at + 64 <= count; at += 32) {
+    const uint64_t size = count - at, inside = size - 32;
+    memcpy(bytes + at, "GCOL\1\0\0", 8);
+    memcpy(bytes + at + 8, &size, 8);
+    bytes[at + 16] = 1;
+    memcpy(bytes + at + 24, &inside, 8);
+  }
+  damage_dataset(file, "/x_heaps", H5T_STD_U8LE, 1, &count, H5P_DEFAULT, bytes);
+  free(bytes);
+}
+
+static void plant_one_string(hid_t file) {
+  const char *string = "a";
+  const hsize_t one = 1;
+  const hid_t type = H5Tcopy(H5T_C_S1);
+  H5Tset_size(type, H5T_VARIABLE);
+  damage_dataset(file, "/x_string", type, 1, &one, H5P_DEFAULT, &string);
+  H5Tclose(type);
+}
+
 static void plant_string_attribute(hid_t file) {
   const char *strings[100];
   for (int i = 0; i < 100; i++)
@@ -259,6 +283,10 @@ static void test_documents(void) {
   document("attribute, many names", 64, CONCEG_E_FORMAT, "CGX-016");
   plant_strings(copy_good());
   document("strings, same bytes", 256, CONCEG_E_FORMAT, "CGX-016");
+  plant_heaps(file = copy_good());
+  plant_one_string(file);
+  damage_close(file);
+  document("heaps inside heaps", 64, CONCEG_E_FORMAT, "well-formed heap");
   plant_string_attribute(file = copy_good());
   damage_close(file);
   document("strings of attribute", 64, CONCEG_E_FORMAT, "at most 64 strings");
