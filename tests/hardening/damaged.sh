@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Documents that fuzzing found to crash HDF5 1.10 when its memory is watched: a plain program says what is wrong and ends with 3.
+# Documents that crashed HDF5 1.10 when its memory is watched (attribute) or hung it (heap): a plain program says what is wrong and ends with 3.
 # damaged.sh BIN SOURCE
 bin=$1 source=$2
 . "$source/tests/cli/expect.sh"
