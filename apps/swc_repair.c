@@ -432,6 +432,7 @@ static int repair_words(struct repair *repair) {
   code = swc_list(cli, &cli->words, &files);
   repair->inputs = &files;
   if (code == EXIT_OK) code = repair_all(repair, &files, is_folder);
+  repair->inputs = NULL;
   swc_list_free(&files);
   return code;
 }

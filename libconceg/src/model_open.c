@@ -4,6 +4,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "doc_internal.h"
 #include "model_internal.h"
+#include "provenance.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -328,6 +329,14 @@ static conceg_status copy_volumes(conceg_doc *doc, conceg_substrate *s) {
   return status;
 }
 
+static conceg_status warn_of_origins(conceg_doc *doc, conceg_ctx *ctx) {
+  static const char *const derived[] = {"skeleton", "meshes", "volumes"};
+  conceg_status status = CONCEG_OK;
+  for (size_t i = 0; i < sizeof derived / sizeof *derived; i++)
+    THEN(origins_warn(ctx, doc, derived[i]));
+  return status;
+}
+
 conceg_status conceg_substrate_open(conceg_doc *doc, conceg_substrate **out) {
   if (!out) return CONCEG_E_USAGE;
   *out = NULL;
@@ -340,6 +349,7 @@ conceg_status conceg_substrate_open(conceg_doc *doc, conceg_substrate **out) {
   THEN(copy_skeletons(doc, s));
   THEN(copy_meshes(doc, s));
   THEN(copy_volumes(doc, s));
+  THEN(warn_of_origins(doc, s->ctx));
   s->ctx = NULL;
   if (status == CONCEG_OK)
     *out = s;

@@ -255,10 +255,37 @@ static void test_refusals(conceg_ctx *ctx) {
   REFUSE("/volumes@shape", PUT("/volumes@shape", CONCEG_U64, uint64_t, 0, 40, 40));
 }
 
+static void keep_line(void *user, conceg_log_level level, const char *line) {
+  if (level == CONCEG_LOG_WARNING) snprintf(user, 200, "%s", line);
+}
+
+/* Meshes of a skeleton that another tool has changed (CGX-070): one who opens them is told. */
+static void test_origins(conceg_ctx *ctx) {
+  char hex[65], row[80], line[200] = "";
+  const char *const rows[] = {row};
+  const conceg_array made_from = {sizeof made_from, CONCEG_TEXT, 1, 0, {1}, rows, NULL};
+  conceg_doc *doc = sample_doc(ctx);
+  conceg_substrate *substrate = NULL;
+  CHECK_EQUAL(conceg_doc_digest(doc, "/skeleton", hex), CONCEG_OK);
+  conceg_ctx_set_log(ctx, CONCEG_LOG_WARNING, keep_line, line);
+  for (int changed = 0; changed < 2; changed++) {
+    hex[0] = changed ? (hex[0] == '0' ? '1' : '0') : hex[0];
+    snprintf(row, sizeof row, "skeleton=%s", hex);
+    CHECK_EQUAL(conceg_doc_write(doc, "/meshes@made_from", &made_from), CONCEG_OK);
+    CHECK_EQUAL(conceg_substrate_open(doc, &substrate), CONCEG_OK);
+    conceg_substrate_free(substrate);
+    CHECK_EQUAL(strlen(line) > 0, changed);
+  }
+  CHECK(strstr(line, "/meshes was made from another /skeleton") != NULL);
+  conceg_ctx_set_log(ctx, CONCEG_LOG_WARNING, NULL, NULL);
+  conceg_doc_close(doc);
+}
+
 int main(void) {
   conceg_ctx *ctx = sample_ctx();
   test_views(ctx);
   test_file(ctx);
+  test_origins(ctx);
   test_absent(ctx);
   test_sizes(ctx);
   test_refusals(ctx);

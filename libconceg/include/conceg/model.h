@@ -37,7 +37,8 @@ typedef struct conceg_substrate conceg_substrate;
 
 /* Copies what is there of /domain, /types, /cells, /skeleton, /meshes and /volumes into memory. Everything
  * that is used as an index or a size is checked: a document that breaks a rule is refused, not trusted. The
- * document may be closed afterwards. Memory: the bytes of these groups once, 16 more for each cell, and one
+ * document may be closed afterwards. /skeleton, /meshes or /volumes made from groups that have changed since
+ * (CGX-070) are logged as warnings. Memory: the bytes of these groups once, 16 more for each cell, and one
  * block of the file; arrays that the document has in memory stay there until it is closed. Errors: E_MISSING
  * (no /domain, or a part of a group), E_FORMAT (names path[index]), E_IO, E_NOMEM. One thread, like all that
  * uses the document. */
