@@ -4,6 +4,7 @@
  */
 #define _XOPEN_SOURCE 700
 #include "../unit/damage.h"
+#include "../unit/hdf5_leaks.h"
 #include "../unit/sample.h"
 
 #include "conceg/params.h"
@@ -15,10 +16,6 @@
 /* The address sanitizer's own memory hides ours: there only the statuses are checked. */
 #ifdef __SANITIZE_ADDRESS__
 enum { MEASURED = 0 };
-const char *__lsan_default_suppressions(void);
-__attribute__((visibility("default"))) const char *__lsan_default_suppressions(void) {
-  return "leak:libhdf5";
-}
 #else
 enum { MEASURED = 1 };
 #endif

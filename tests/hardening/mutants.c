@@ -5,6 +5,7 @@
  * CRASHES] */
 #define _XOPEN_SOURCE 700
 #include "../unit/damage.h"
+#include "../unit/hdf5_leaks.h"
 #include "../unit/sample.h"
 
 #include "conceg/model.h"
@@ -16,10 +17,6 @@
 /* A process that is watched starts slowly. */
 #ifdef __SANITIZE_ADDRESS__
 enum { USUAL_COUNT = 150 };
-const char *__lsan_default_suppressions(void);
-__attribute__((visibility("default"))) const char *__lsan_default_suppressions(void) {
-  return "leak:libhdf5";
-}
 #else
 enum { USUAL_COUNT = 1000 };
 #endif
