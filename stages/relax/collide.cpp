@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "collide.hpp"
 
+#include "handover.hpp"
+
 #include <embree3/rtcore.h>
 
 #include <glm/common.hpp>
@@ -128,6 +130,7 @@ std::vector<Placed> place_ghosts(const std::vector<Placed> &core, const conceg_b
 struct Primitives {
   const std::vector<Placed> *placed;
   glm::dvec3 origin;
+  mutable Handover threads = {};
 };
 
 float round_down(double x) {
@@ -139,11 +142,13 @@ float round_up(double x) {
 
 void give_bounds(const RTCBoundsFunctionArguments *arguments) {
   const auto *primitives = static_cast<const Primitives *>(arguments->geometryUserPtr);
+  primitives->threads.take();
   const Bounds &bounds = (*primitives->placed)[arguments->primID].bounds;
   const glm::dvec3 lo = bounds.lo - primitives->origin, hi = bounds.hi - primitives->origin;
   RTCBounds &out = *arguments->bounds_o;
   out.lower_x = round_down(lo.x), out.lower_y = round_down(lo.y), out.lower_z = round_down(lo.z);
   out.upper_x = round_up(hi.x), out.upper_y = round_up(hi.y), out.upper_z = round_up(hi.z);
+  primitives->threads.give();
 }
 
 void check_device(RTCDevice device, const char *what) {
@@ -165,7 +170,9 @@ public:
     rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_LOW);
     rtcAttachGeometry(scene_, geometry);
     rtcReleaseGeometry(geometry);
+    primitives.threads.give();
     rtcCommitScene(scene_);
+    primitives.threads.take();
     const RTCError error = rtcGetDeviceError(device);
     if (error == RTC_ERROR_NONE) return;
     rtcReleaseScene(scene_);
@@ -180,13 +187,19 @@ private:
   RTCScene scene_ = nullptr;
 };
 
-using Buffers = tbb::enumerable_thread_specific<std::vector<Candidate>>;
+struct Buffers {
+  tbb::enumerable_thread_specific<std::vector<Candidate>> lists;
+  Handover threads;
+};
 
 // Called from Embree's threads in no fixed order; candidates are sorted afterwards.
 void keep_candidates(void *user, RTCCollision *collisions, unsigned count) {
-  std::vector<Candidate> &mine = static_cast<Buffers *>(user)->local();
+  Buffers &buffers = *static_cast<Buffers *>(user);
+  buffers.threads.take();
+  std::vector<Candidate> &mine = buffers.lists.local();
   for (unsigned i = 0; i < count; i++)
     mine.push_back({collisions[i].primID0, collisions[i].primID1});
+  buffers.threads.give();
 }
 
 // Candidates of two scenes, sorted, each unordered pair of placed chunks once.
@@ -194,10 +207,12 @@ template <class Keep>
 std::vector<Candidate> collide_scenes(RTCDevice device, const Scene &first, const Scene &second,
                                       tbb::task_arena &arena, Keep keep) {
   Buffers buffers;
+  buffers.threads.give();
   arena.execute([&] { rtcCollide(first.get(), second.get(), keep_candidates, &buffers); });
+  buffers.threads.take();
   check_device(device, "rtcCollide");
   std::vector<Candidate> all;
-  for (const std::vector<Candidate> &buffer : buffers)
+  for (const std::vector<Candidate> &buffer : buffers.lists)
     std::copy_if(buffer.begin(), buffer.end(), std::back_inserter(all), keep);
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());

@@ -4,8 +4,6 @@
 #include "conceg/rng.h"
 #include "wrap.hpp"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -146,7 +144,7 @@ void add_face_nodes(const conceg_box &box, const NodeOptions &options, std::vect
 void order_without_doubles(const conceg_box &box, const NodeOptions &options, double spacing,
                            std::vector<Node> &nodes) {
   for (std::uint64_t attempt = 1;; attempt++) {
-    tbb::parallel_sort(nodes.begin(), nodes.end(), before);
+    std::sort(nodes.begin(), nodes.end(), before);
     bool doubled = false;
     for (std::size_t i = 1; i < nodes.size(); i++)
       if (same_place(nodes[i - 1], nodes[i])) {
