@@ -22,9 +22,13 @@ const char *cli_without_word(const struct cli_program *program, const char *line
 }
 
 static void print_log(void *user, conceg_log_level level, const char *line) {
-  static const char *const words[] = {"error", "warning", "note", "debug"};
+  static const char *const words[] = {"error", "warning", NULL, "note", "debug"};
   struct cli *cli = user;
   progress_clear(&cli->progress);
+  if (level == CONCEG_LOG_RESULT) {
+    fprintf(stderr, "%s\n", cli_without_word(cli->program, line));
+    return;
+  }
   fprintf(stderr, "%s: %s: %s\n", cli->program->name,
           words[level > CONCEG_LOG_DEBUG ? CONCEG_LOG_DEBUG : level], cli_without_word(cli->program, line));
 }
@@ -95,7 +99,7 @@ static int set_up(struct cli *cli) {
                      cli->quiet         ? CONCEG_LOG_ERROR
                      : cli->verbose > 1 ? CONCEG_LOG_DEBUG
                      : cli->verbose     ? CONCEG_LOG_INFO
-                                        : CONCEG_LOG_WARNING,
+                                        : CONCEG_LOG_RESULT,
                      print_log, cli);
   conceg_ctx_set_progress(cli->ctx, progress_report, &cli->progress);
   if (cli->threads) {

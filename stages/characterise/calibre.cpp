@@ -11,6 +11,8 @@ namespace {
 
 constexpr double step_um = 1.0;
 constexpr std::size_t fewest_for_taper = 4, fewest_for_correlation = 10;
+constexpr std::size_t fewest_for_verdict = 100; // samples, of a trace
+constexpr double inverse_e = 0.36787944117144233;
 constexpr double lowest_share = 0.1; // the tapered line is not taken below this share of the mean
 
 // Radii every 1 um from the start, linear between the samples.
@@ -47,15 +49,14 @@ double slope(const std::vector<double> &value) {
 }
 
 double correlation_length(const std::vector<double> &residual, double variance) {
-  const double threshold = 0.36787944117144233;
   double previous = 1.0;
   for (std::size_t lag = 1; lag <= residual.size() / 2; lag++) {
     double sum = 0.0;
     for (std::size_t k = lag; k < residual.size(); k++)
       sum += residual[k] * residual[k - lag];
     const double value = sum / static_cast<double>(residual.size() - lag) / variance;
-    if (value < threshold)
-      return step_um * (static_cast<double>(lag - 1) + (previous - threshold) / (previous - value));
+    if (value < inverse_e)
+      return step_um * (static_cast<double>(lag - 1) + (previous - inverse_e) / (previous - value));
     previous = value;
   }
   return step_um * static_cast<double>(residual.size() / 2);
@@ -63,8 +64,10 @@ double correlation_length(const std::vector<double> &residual, double variance) 
 
 } // namespace
 
-Calibre measure_calibre(const std::vector<double> &path, const std::vector<double> &radius) {
+Calibre measure_calibre(const std::vector<double> &path, const std::vector<double> &radius,
+                        std::vector<double> *given) {
   Calibre out;
+  if (given) given->clear();
   if (path.empty()) return out;
   out.radius = mean_radius(path, radius);
   if (path.size() < 2) return out;
@@ -87,7 +90,63 @@ Calibre measure_calibre(const std::vector<double> &path, const std::vector<doubl
   out.cv = std::sqrt(variance);
   if (even.size() >= fewest_for_correlation && variance > 0.0)
     out.correlation_length = correlation_length(residual, variance);
+  if (given) *given = std::move(residual);
   return out;
+}
+
+const char *name_of(Trace trace) {
+  static const char *const names[] = {"none", "continuous", "quantised", "constant"};
+  return names[static_cast<int>(trace)];
+}
+
+Trace trace_of(std::vector<double> radii) {
+  if (radii.empty()) return Trace::none;
+  std::sort(radii.begin(), radii.end());
+  std::size_t values = 0, most = 0, run = 0;
+  for (std::size_t i = 0; i < radii.size(); i++) {
+    run = i && radii[i] == radii[i - 1] ? run + 1 : 1;
+    values += run == 1, most = std::max(most, run);
+  }
+  if (radii.size() < fewest_for_verdict) return Trace::continuous;
+  return 2 * most > radii.size()      ? Trace::constant
+         : 20 * values < radii.size() ? Trace::quantised
+                                      : Trace::continuous;
+}
+
+void CalibrePool::add(const Calibre &bar, double length, const std::vector<double> &residual) {
+  radius_sum_ += bar.radius * length, length_ += length;
+  if (residual.size() < fewest_for_correlation) return; // what the taper leaves of a short bar says nothing
+  for (std::size_t lag = 0; lag < std::min(lags, residual.size()); lag++)
+    for (std::size_t k = lag; k < residual.size(); k++)
+      sum_[lag] += residual[k] * residual[k - lag], count_[lag]++;
+}
+
+void CalibrePool::add(const CalibrePool &other) {
+  radius_sum_ += other.radius_sum_, length_ += other.length_;
+  for (std::size_t lag = 0; lag < lags; lag++)
+    sum_[lag] += other.sum_[lag], count_[lag] += other.count_[lag];
+}
+
+double CalibrePool::radius() const {
+  return length_ > 0.0 ? radius_sum_ / length_ : 0.0;
+}
+
+double CalibrePool::cv() const {
+  return count_[0] > 0.0 ? std::sqrt(sum_[0] / count_[0]) : 0.0;
+}
+
+double CalibrePool::correlation_length() const {
+  if (!(sum_[0] > 0.0)) return 0.0;
+  const double variance = sum_[0] / count_[0];
+  double previous = 1.0;
+  std::size_t lag = 1;
+  for (; lag < lags && count_[lag] > 0.0; lag++) {
+    const double value = sum_[lag] / count_[lag] / variance;
+    if (value < inverse_e)
+      return step_um * (static_cast<double>(lag - 1) + (previous - inverse_e) / (previous - value));
+    previous = value;
+  }
+  return step_um * static_cast<double>(lag - 1);
 }
 
 } // namespace conceg::characterise

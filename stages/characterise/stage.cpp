@@ -4,13 +4,16 @@
 
 #include "astrocyte.hpp"
 #include "dictionary.hpp"
+#include "group.hpp"
 #include "guard.hpp"
 #include "measures.hpp"
 #include "output.hpp"
 #include "preprocess.hpp"
+#include "summary.hpp"
 #include "table.hpp"
 #include "view.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -24,7 +27,8 @@ constexpr const char *stage_name = "characterise";
 struct Options {
   Cleaning cleaning;
   AstrocyteRules astrocyte;
-  std::string root, table_folder, metrics;
+  std::string root, table_folder, metrics, sources_path;
+  std::vector<Source> sources;
   std::uint64_t astrocyte_donors = 0;
   std::uint32_t swc_flags = 0;
 };
@@ -79,12 +83,31 @@ Samples copy_samples(const conceg_swc *swc) {
   return s;
 }
 
-// The direction of the pia in the file, by the table's word for it.
-Donor make_donor(const TableRow &row, const Cell &cell, const std::string &path) {
+std::int64_t find_source(const TableRow &row, const Options &options) {
+  if (options.sources_path.empty()) {
+    if (row.source.empty()) return -1;
+    fail(CONCEG_E_USAGE, "%s: source %s: no table of sources was given; name it with --sources FILE",
+         row.file.c_str(), row.source.c_str());
+  }
+  for (std::size_t i = 0; i < options.sources.size(); i++)
+    if (options.sources[i].name == row.source) return static_cast<std::int64_t>(i);
+  fail(CONCEG_E_FORMAT, "%s: source: expected one of the rows of %s, got '%s'", row.file.c_str(),
+       options.sources_path.c_str(), row.source.c_str());
+}
+
+// The row of a donor without what its cell must tell.
+Donor new_donor(const TableRow &row, const Options &options) {
   Donor donor;
   donor.id = row.donor_id.empty() ? stem_of(row.file) : row.donor_id;
   donor.fold = static_cast<std::uint8_t>(row.fold);
+  donor.source = find_source(row, options), donor.pooled_from = row.pooled_from;
   donor.frame_kind = "unknown";
+  return donor;
+}
+
+// The direction of the pia in the file, by the table's word for it.
+Donor make_donor(const TableRow &row, const Options &options, const Cell &cell, const std::string &path) {
+  Donor donor = new_donor(row, options);
   if (row.frame == "unknown") return donor;
   glm::dvec3 axis(0.0);
   if (row.frame == "apical") {
@@ -101,7 +124,42 @@ Donor make_donor(const TableRow &row, const Cell &cell, const std::string &path)
   return donor;
 }
 
-void add_reconstruction(conceg_ctx *ctx, Dictionary &dictionary, EntrySums &sums, Measures &measures,
+// What is collected over all files.
+struct Output {
+  Dictionary dictionary;
+  Measures measures;
+  Summary summary;
+};
+
+// Radii of the dendrites or processes as traced.
+Trace trace_of_dendrites(const Samples &samples) {
+  std::vector<double> radii;
+  for (std::size_t i = 0; i < samples.size(); i++)
+    if (samples.kind[i] != neurite_axon) radii.push_back(samples.radius[i]);
+  return trace_of(std::move(radii));
+}
+
+metrics::Metrics measure_dendrites(const Cell &cell) {
+  Cell dendrites = cell;
+  dendrites.trees.erase(std::remove_if(dendrites.trees.begin(), dendrites.trees.end(),
+                                       [](const Tree &tree) { return tree.neurite == neurite_axon; }),
+                        dendrites.trees.end());
+  return metrics::measure(whole_cell(dendrites), sholl_step_um);
+}
+
+void check_cell(const Cell &cell, const TableRow &row, const std::string &path) {
+  if (cell.trees.empty()) fail(CONCEG_E_FORMAT, "%s: expected trees on the soma, got none", path.c_str());
+  const bool neuron = row.cell_class == "pyramidal" || row.cell_class == "interneuron";
+  if (neuron && std::all_of(cell.trees.begin(), cell.trees.end(),
+                            [](const Tree &tree) { return tree.neurite == neurite_axon; }))
+    fail(CONCEG_E_FORMAT,
+         "%s: expected dendrites (types 3 and 4) in a cell of class %s, got none; leave the file out, or "
+         "give it "
+         "the class axon",
+         path.c_str(), row.cell_class.c_str());
+}
+
+void add_reconstruction(conceg_ctx *ctx, Output &out, EntrySums &sums, std::vector<FileExtent> &extents,
                         const TableRow &row, const Options &options) {
   const std::string path = find_file(options, row.file);
   conceg_swc *raw = nullptr;
@@ -126,36 +184,62 @@ void add_reconstruction(conceg_ctx *ctx, Dictionary &dictionary, EntrySums &sums
   Cleaned left_out;
   const Samples samples = copy_samples(swc.get());
   cell.trees = clean_trees(samples, cell.soma, cell.soma_radius, rules, left_out);
-  if (cell.trees.empty()) fail(CONCEG_E_FORMAT, "%s: expected trees on the soma, got none", path.c_str());
-  const Donor donor = make_donor(row, cell, path);
-  const CellFigures f = add_cell(dictionary, sums, donor, cell);
+  check_cell(cell, row, path);
+  extents.push_back({path, extent_of(cell)});
+  Donor donor = make_donor(row, options, cell, path);
+  donor.trace = trace_of_dendrites(samples);
+  const CellFigures f = add_cell(out.dictionary, sums, donor, cell);
+  const metrics::Metrics dendrites = measure_dendrites(cell);
+  const metrics::Group &g = dendrites.groups.front();
+  if (g.sections) out.summary.add(row_of(g, cell.soma_radius, f.radius));
+  if (g.sections && !donor.pooled_from.empty()) out.summary.pool();
   if (options.metrics != "none") {
     const metrics::Samples measured =
         options.metrics == "read" ? whole_cell(samples, cell.soma, cell.soma_radius) : whole_cell(cell);
-    measures.add(row.entry, donor.id, metrics::measure(measured, sholl_step_um));
+    out.measures.add(row.entry, donor.id, metrics::measure(measured, sholl_step_um));
   }
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
                  "%s %s: %zu trees, %zu bars, %zu branches; order %.2f, branch %.1f um, angle %.1f degree, "
-                 "straightness %.3f, radius %.3f um, "
+                 "straightness %.3f, radius %.3f um (%s), "
                  "cable %.0f um; left out: %zu twigs, %zu floating trees, %zu axon pieces, %zu short trees; "
                  "%zu radii raised",
-                 row.entry.c_str(), donor.id.c_str(), f.trees, f.bars, f.sections, f.order, f.length,
-                 f.angle * 57.29577951308232, f.straight, f.radius, f.cable, left_out.twigs,
+                 row.entry.c_str(), donor.id.c_str(), f.trees, f.bars, static_cast<std::size_t>(g.sections),
+                 g.order.mean, g.section_length.mean, g.local_angle.mean * 57.29577951308232,
+                 g.straightness_1um.mean, f.radius, name_of(donor.trace), f.cable, left_out.twigs,
                  left_out.floating, left_out.axon_pieces, left_out.short_trees, left_out.raised_radii);
 }
 
-void add_astrocytes(conceg_ctx *ctx, Dictionary &dictionary, EntrySums &sums, const TableRow &row,
+// The figures of a cell that is made of bars: a bar is cut where others start on it.
+CellRow row_of(const Astrocyte &cell) {
+  CellRow out;
+  double branches = 0.0, forks = 0.0, radius = 0.0;
+  for (const BarTree &tree : cell.trees) {
+    const double bars = static_cast<double>(tree.bars.size()), here = 2.0 * bars - 1.0;
+    out.order += mean_order(tree.bars) * here, branches += here, out.tips += bars, out.stems++;
+    for (const BarRow &bar : tree.bars) {
+      out.cable_um += bar.death - bar.birth, radius += bar.radius * (bar.death - bar.birth);
+      if (bar.parent >= 0) out.angle_degree += bar.angle * 57.29577951308232, forks++;
+    }
+  }
+  out.order /= branches, out.length_um = out.cable_um / branches, out.radius_um = radius / out.cable_um;
+  if (forks > 0.0) out.angle_degree /= forks;
+  out.soma_radius_um = cell.soma_radius;
+  return out;
+}
+
+void add_astrocytes(conceg_ctx *ctx, Output &out, EntrySums &sums, const TableRow &row,
                     const Options &options) {
   const std::string path = find_file(options, row.file);
   const AstrocyteStatistics statistics = parse_astrocyte(read_text(path), path);
   for (std::uint64_t k = 0; k < options.astrocyte_donors; k++) {
     const Astrocyte cell = make_astrocyte(statistics, options.astrocyte, conceg_ctx_seed(ctx), k);
-    Donor donor;
+    Donor donor = new_donor(row, options);
     char number[24];
-    std::snprintf(number, sizeof number, "%02u", static_cast<unsigned>(k));
-    donor.id = (row.donor_id.empty() ? stem_of(row.file) : row.donor_id) + "_" + number;
-    donor.fold = static_cast<std::uint8_t>(k % 5), donor.frame_kind = "unknown";
-    add_bar_trees(dictionary, donor, cell.soma_radius, cell.trees);
+    std::snprintf(number, sizeof number, "_%02u", static_cast<unsigned>(k));
+    donor.id += number;
+    donor.fold = static_cast<std::uint8_t>(k % 5);
+    add_bar_trees(out.dictionary, donor, cell.soma_radius, cell.trees);
+    out.summary.add(row_of(cell));
     for (const BarTree &tree : cell.trees)
       for (const BarRow &bar : tree.bars)
         if (bar.parent >= 0) sums.angles.push_back(bar.angle);
@@ -179,6 +263,8 @@ Options read_options(const conceg_params *params, const std::string &table) {
   o.astrocyte.territory_radius_um = conceg_params_f64(params, "astrocyte_territory_um");
   o.astrocyte_donors = static_cast<std::uint64_t>(conceg_params_i64(params, "astrocyte_donors"));
   o.metrics = conceg_params_text(params, "metrics");
+  o.sources_path = conceg_params_text(params, "sources");
+  if (!o.sources_path.empty()) o.sources = parse_sources(read_text(o.sources_path), o.sources_path);
   o.swc_flags = conceg_params_bool(params, "strict") ? CONCEG_SWC_STRICT : 0;
   return o;
 }
@@ -198,6 +284,21 @@ std::vector<TableRow> read_rows(const conceg_params *params, const std::string &
   }
   if (rows.empty()) fail(CONCEG_E_USAGE, "no input; name SWC files, or a table with --table FILE");
   return rows;
+}
+
+void write_sources(conceg_doc *doc, const std::vector<Source> &sources,
+                   const std::vector<std::uint32_t> &of_donor) {
+  if (sources.empty()) return;
+  const auto column = [&](const char *path, std::string Source::*what) {
+    std::vector<std::string> values;
+    for (const Source &source : sources)
+      values.push_back(source.*what);
+    put_texts(doc, path, values);
+  };
+  column("/dictionary/source_name", &Source::name),
+      column("/dictionary/source_repository", &Source::repository);
+  column("/dictionary/source_licence", &Source::licence), column("/dictionary/source_terms", &Source::terms);
+  put(doc, "/dictionary/donor_source", of_donor);
 }
 
 void write_dictionary(conceg_doc *doc, const Dictionary &d) {
@@ -229,13 +330,24 @@ void write_dictionary(conceg_doc *doc, const Dictionary &d) {
   put(doc, "/dictionary/bar_angle", d.bar_angle);
   put3(doc, "/dictionary/bar_tip_direction", d.bar_tip_direction);
   put(doc, "/dictionary/bar_tip_distance", d.bar_tip_distance);
+  put_texts(doc, "/dictionary/donor_pooled_from", d.donor_pooled_from);
+  put_texts(doc, "/dictionary/donor_trace", d.donor_trace);
+  if (d.calibre_entry.empty()) return; // only cells without a trace
+  put(doc, "/dictionary/calibre_entry", d.calibre_entry);
+  put(doc, "/dictionary/calibre_neurite", d.calibre_neurite);
+  put(doc, "/dictionary/calibre_donors", d.calibre_donors);
+  put_texts(doc, "/dictionary/calibre_trace", d.calibre_trace);
+  put(doc, "/dictionary/calibre_radius", d.calibre_radius);
+  put(doc, "/dictionary/calibre_cv", d.calibre_cv);
+  put(doc, "/dictionary/calibre_correlation_length", d.calibre_correlation_length);
 }
 
 // Tables of the document and, where a folder is named, files.
-void write_measures(conceg_doc *doc, const Measures &measures, const std::string &folder) {
-  if (!measures.cells().rows()) return;
+void write_measures(conceg_doc *doc, const Measures &measures, const Table &summary,
+                    const std::string &folder) {
   if (!folder.empty()) make_folder(folder);
-  for (const Table *table : {&measures.sections(), &measures.cells(), &measures.sholl()}) {
+  for (const Table *table : {&summary, &measures.sections(), &measures.cells(), &measures.sholl()}) {
+    if (!table->rows()) continue;
     write_table(doc, *table);
     if (folder.empty()) continue;
     OutputFile file(folder + "/" + table->name + ".csv");
@@ -248,36 +360,44 @@ void run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   const std::string table = conceg_params_text(params, "table");
   const std::vector<TableRow> rows = read_rows(params, table);
   const Options options = read_options(params, table);
-  Dictionary dictionary;
-  Measures measures;
+  Output out;
   for (std::size_t i = 0; i < rows.size();) {
     std::size_t end = i;
     std::string note;
     for (; end < rows.size() && rows[end].entry == rows[i].entry; end++)
       if (rows[end].file.empty()) note += (note.empty() ? "" : " ") + rows[end].note;
     EntrySums sums;
-    open_entry(dictionary, rows[i].entry, rows[i].cell_class, note);
+    std::vector<FileExtent> extents;
+    const std::string entry = rows[i].entry;
+    open_entry(out.dictionary, entry, rows[i].cell_class, note), out.summary.open(entry);
     for (; i < end; i++) {
       must(conceg_ctx_progress(ctx, "reading cells", i, rows.size()));
       const TableRow &row = rows[i];
       if (row.file.empty()) continue;
       if (row.cell_class == "astrocyte" && row.file.size() > 4 &&
           row.file.substr(row.file.size() - 4) == ".csv")
-        add_astrocytes(ctx, dictionary, sums, row, options);
+        add_astrocytes(ctx, out, sums, row, options);
       else
-        add_reconstruction(ctx, dictionary, sums, measures, row, options);
+        add_reconstruction(ctx, out, sums, extents, row, options);
     }
-    close_entry(dictionary, sums);
+    check_units(entry, extents);
+    close_entry(out.dictionary, sums);
   }
-  write_dictionary(doc, dictionary);
-  write_measures(doc, measures, conceg_params_text(params, "csv"));
+  write_dictionary(doc, out.dictionary);
+  write_sources(doc, options.sources, out.dictionary.donor_source);
+  if (options.metrics != "none")
+    write_measures(doc, out.measures, out.summary.table(), conceg_params_text(params, "csv"));
   must(conceg_ctx_progress(ctx, "reading cells", rows.size(), rows.size()));
+  for (const std::string &line : out.summary.lines())
+    conceg_ctx_log(ctx, CONCEG_LOG_RESULT, "%s", line.c_str());
 }
 
 const conceg_param parameters[] = {
     {"table", "", "comma-separated table of files and entries (stages/characterise/README.md)", "", nullptr,
      CONCEG_PARAM_FILE, 0, 0, 0},
     {"root", "", "folder that relative names in the table start from; then the table's folder is tried", "",
+     nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
+    {"sources", "", "comma-separated table of where donors come from: source, repository, licence, terms", "",
      nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
     {"entry", "", "without a table: name of the one entry", "cells", nullptr, CONCEG_PARAM_TEXT, 0, 0, 0},
     {"class", "", "without a table: class of the cells", "pyramidal",

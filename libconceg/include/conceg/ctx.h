@@ -14,8 +14,9 @@ typedef struct conceg_ctx conceg_ctx;
 typedef enum conceg_log_level {
   CONCEG_LOG_ERROR = 0,
   CONCEG_LOG_WARNING = 1,
-  CONCEG_LOG_INFO = 2,
-  CONCEG_LOG_DEBUG = 3,
+  CONCEG_LOG_RESULT = 2, /* what was asked for, such as a table of figures; shown unless quiet */
+  CONCEG_LOG_INFO = 3,
+  CONCEG_LOG_DEBUG = 4,
   CONCEG_LOG_MAXIMUM = 0x7fffffff
 } conceg_log_level;
 

@@ -47,8 +47,10 @@ void check_table() {
         rows[2].soma_radius_um == 3.5);
   CHECK_TEXT(rows[2].frame.c_str(), "unknown");
   check_table_error("", "rows of files");
-  check_table_error("file,entry\n", "t.csv:1: expected 9 columns");
-  check_table_error("a,b,c,d,e,f,g,h,i\n", "t.csv:1: expected the header");
+  check_table_error("file,entry\n", "t.csv:1: expected a column class");
+  check_table_error("file,entry,class,colour\n", "t.csv:1: expected a header of file, entry, class");
+  check_table_error("file,entry,class,file\n", "got 'file'");
+  check_table_error("file,entry,class\na.swc,A\n", "t.csv:2: expected 3 columns as in the header, got 2");
   check_table_error(header + "a.swc,A,tree,,,,,,\n", "t.csv:2: class");
   check_table_error(header + "a.swc,A,other,,,up,,,\n", "t.csv:2: frame");
   check_table_error(header + "a.swc,A,other,,300,,,,\n", "t.csv:2: fold");
@@ -57,7 +59,25 @@ void check_table() {
   check_table_error(header + "a.swc,,other,,,,,,\n", "t.csv:2: entry");
   check_table_error(header + "a.swc,A,other,,,,,,\nb.swc,B,other,,,,,,\nc.swc,A,other,,,,,,\n",
                     "t.csv:4: entry A");
+  check_table_error(header + "a.swc,A,other,,1,,,,\na.swc,B,other,,2,,,,\n", "t.csv:3: fold: expected 1");
+  const std::vector<TableRow> few = // columns in another order, most left out
+      parse_table("class,pooled_from,source,file,entry\npyramidal,layer 4,allen,a.swc,A\n", "t.csv");
+  CHECK_TEXT(few[0].file.c_str(), "a.swc");
+  CHECK_TEXT(few[0].pooled_from.c_str(), "layer 4");
+  CHECK_TEXT(few[0].source.c_str(), "allen");
+  CHECK_TEXT(few[0].frame.c_str(), "unknown");
   check_table_error(header + "a.swc,A,other,,,,,,\nb.swc,A,axon,,,,,,\n", "t.csv:3: class");
+}
+
+void check_sources() {
+  const std::string head = "source,repository,licence,terms\n";
+  const auto error = [](const std::string &text) { return error_of([&] { parse_sources(text, "s.csv"); }); };
+  const std::vector<Source> rows = parse_sources(head + "allen,a/b,MIT,\"cite, and read\"\n", "s.csv");
+  CHECK_EQUAL(rows.size(), 1);
+  CHECK_TEXT(rows[0].terms.c_str(), "cite, and read");
+  CHECK(error(head).find("rows of sources") != std::string::npos);
+  CHECK(error("source,repository\na,b\n").find("column licence") != std::string::npos);
+  CHECK(error(head + "a,,,\na,,,\n").find("s.csv:3: source") != std::string::npos);
 }
 
 const std::string numbers =
@@ -161,7 +181,32 @@ void check_stage() {
   write_file(name.c_str(), "1 1 0 0 0 5 -1\n2 3 5 0 0 1 1\n3 3 25 0 0 1 2\n");
   fails(apical, file, "apical");
   CHECK_EQUAL(run(ctx, none, file), CONCEG_OK);
-  remove(name.c_str());
+
+  // Files of one entry that do not agree: named, with what was expected.
+  const std::string large = "characterise_nm.swc", axon = "characterise_axon.swc",
+                    table = "characterise_group.csv", of_sources = "characterise_sources.csv";
+  write_file(large.c_str(), "1 1 0 0 0 5 -1\n2 3 5 0 0 1 1\n3 3 20000 0 0 1 2\n");
+  write_file(axon.c_str(), "1 1 0 0 0 5 -1\n2 2 5 0 0 1 1\n3 2 25 0 0 1 2\n");
+  const char *const units[] = {name.c_str(), large.c_str(), nullptr},
+                    *const axon_only[] = {name.c_str(), axon.c_str(), nullptr},
+                    *const with_axons[] = {"characterise.axons=true", nullptr},
+                    *const of_class_axon[] = {"characterise.axons=true", "characterise.class=axon", nullptr};
+  fails(none, units, "characterise_nm.swc: expected a cell of about 20 um across");
+  fails(with_axons, axon_only, "characterise_axon.swc: expected dendrites");
+  CHECK_EQUAL(run(ctx, of_class_axon, axon_only), CONCEG_OK);
+
+  const std::string head = "file,entry,class,source\n";
+  const char *const by_table[] = {"characterise.table=characterise_group.csv", nullptr},
+                    *const with_sources[] = {"characterise.table=characterise_group.csv",
+                                             "characterise.sources=characterise_sources.csv", nullptr};
+  write_file(of_sources.c_str(), "source,repository,licence,terms\nallen,a/b,MIT,cite\n");
+  write_file(table.c_str(), head + name + ",A,pyramidal,allen\n");
+  fails(by_table, none, "--sources");
+  CHECK_EQUAL(run(ctx, with_sources, none), CONCEG_OK);
+  write_file(table.c_str(), head + name + ",A,pyramidal,other\n");
+  fails(with_sources, none, "characterise_sources.csv, got 'other'");
+  for (const std::string &file_name : {name, large, axon, table, of_sources})
+    remove(file_name.c_str());
   conceg_ctx_free(ctx);
 }
 
@@ -169,6 +214,7 @@ void check_stage() {
 
 int main() {
   check_table();
+  check_sources();
   check_astrocyte_errors();
   check_astrocyte();
   check_stage();

@@ -29,9 +29,11 @@ std::string bytes_of(conceg_ctx *ctx, conceg_doc *doc) {
 
 conceg_doc *remake(conceg_ctx *ctx, const std::string &cells, const char *more) {
   const std::string table = "characterise.table=" CONCEG_DATA "/mouse-visual-cortex.csv",
+                    sources = "characterise.sources=" CONCEG_DATA "/mouse-visual-cortex-sources.csv",
                     root = "characterise.root=" + cells;
   const char *const sets[] =
-      {table.c_str(), root.c_str(), "characterise.axons=true", "characterise.metrics=none", more, nullptr},
+      {table.c_str(), sources.c_str(), root.c_str(), "characterise.axons=true", "characterise.metrics=none",
+       more,          nullptr},
                     *const none[] = {nullptr};
   conceg_doc *doc = nullptr;
   conceg_params *params = nullptr;
