@@ -25,6 +25,7 @@ static Dictionary example() {
   d.donor.id = {"p", "g1", "g2"};
   d.donor.frame_kind = {"apical", "unknown", "unknown"};
   d.donor.frame = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
+  d.donor.fold = {1, 2, 0};
   d.donor.soma_radius = {7, 4, 4.5};
   d.donor.tree_offset = {0, 3, 4, 5};
   d.tree.neurite = {3, 4, 2, 7, 7};
@@ -129,6 +130,8 @@ static void test_subset() {
   CHECK(glia.angle == (std::vector<double>{1.25}));
   CHECK(glia.bar.death == (std::vector<double>{20, 30}));
   CHECK_EQUAL(glia.donor.frame.size(), 8);
+  CHECK(glia.donor.fold == (std::vector<std::uint8_t>{2, 0}));
+  CHECK(glia.bar.cv.empty()); // left out stays left out
   CHECK_EQUAL(glia.find("glia"), 0);
   CHECK_EQUAL(glia.find("pyramidal"), -1);
   const Dictionary both = subset(d, {1, 0});
