@@ -19,6 +19,7 @@ struct Entries {
 struct Donors {
   std::vector<std::string> id, frame_kind; // frame_kind: "apical", "axis", "unknown"; may be empty
   std::vector<std::uint8_t> fold;          // may be empty
+  std::vector<std::uint8_t> validation;    // 1 = held back from synthesis; may be empty
   std::vector<double> frame;               // 4 per donor: w x y z; may be empty
   std::vector<double> soma_radius;         // um
   std::vector<std::uint64_t> tree_offset;
@@ -51,6 +52,7 @@ template <class Visit, class... Table> void each_entry_item(Visit visit, Table &
 template <class Visit, class... Table> void each_donor_item(Visit visit, Table &...donor) {
   visit("/dictionary/donor_id", Need::required, 1, donor.id...);
   visit("/dictionary/donor_fold", Need::optional, 1, donor.fold...);
+  visit("/dictionary/donor_validation", Need::optional, 1, donor.validation...);
   visit("/dictionary/donor_frame", Need::optional, 4, donor.frame...);
   visit("/dictionary/donor_frame_kind", Need::optional, 1, donor.frame_kind...);
   visit("/dictionary/donor_soma_radius", Need::required, 1, donor.soma_radius...);
