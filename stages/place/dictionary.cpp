@@ -9,38 +9,20 @@
 namespace conceg::place {
 namespace {
 
-// Appends rows first .. last - 1 of an array that may have been left out.
-template <class T>
-void append(std::vector<T> &to, const std::vector<T> &from, std::size_t first, std::size_t last,
-            std::size_t width = 1) {
-  if (from.empty()) return;
-  to.insert(to.end(), from.begin() + static_cast<std::ptrdiff_t>(first * width),
-            from.begin() + static_cast<std::ptrdiff_t>(last * width));
-}
-
-void append_bars(Dictionary &to, const DictionaryBars &from, std::size_t first, std::size_t last) {
-  append(to.bar.birth, from.birth, first, last);
-  append(to.bar.death, from.death, first, last);
-  append(to.bar.radius, from.radius, first, last);
-  append(to.bar.taper, from.taper, first, last);
-  append(to.bar.cv, from.cv, first, last);
-  append(to.bar.correlation_length, from.correlation_length, first, last);
-  append(to.bar.angle, from.angle, first, last);
-  append(to.bar.tip_distance, from.tip_distance, first, last);
-  append(to.bar.parent, from.parent, first, last);
-  append(to.bar.tip_direction, from.tip_direction, first, last);
+// Appends rows first .. last - 1 of each array of a table; one that was left out stays so.
+auto copy_rows(std::size_t first, std::size_t last) {
+  return [=](const char *, Need, std::size_t columns, auto &to, const auto &from) {
+    if (from.empty()) return;
+    to.insert(to.end(), from.begin() + static_cast<std::ptrdiff_t>(first * columns),
+              from.begin() + static_cast<std::ptrdiff_t>(last * columns));
+  };
 }
 
 void append_donor(Dictionary &to, const Dictionary &from, std::size_t donor) {
-  append(to.donor.id, from.donor.id, donor, donor + 1);
-  append(to.donor.frame_kind, from.donor.frame_kind, donor, donor + 1);
-  append(to.donor.fold, from.donor.fold, donor, donor + 1);
-  append(to.donor.frame, from.donor.frame, donor, donor + 1, 4);
-  append(to.donor.soma_radius, from.donor.soma_radius, donor, donor + 1);
+  each_donor_item(copy_rows(donor, donor + 1), to.donor, from.donor);
   for (std::size_t tree = from.donor.tree_offset[donor]; tree < from.donor.tree_offset[donor + 1]; tree++) {
-    append(to.tree.neurite, from.tree.neurite, tree, tree + 1);
-    append(to.tree.trunk_direction, from.tree.trunk_direction, tree, tree + 1);
-    append_bars(to, from.bar, from.tree.bar_offset[tree], from.tree.bar_offset[tree + 1]);
+    each_tree_item(copy_rows(tree, tree + 1), to.tree, from.tree);
+    each_bar_item(copy_rows(from.tree.bar_offset[tree], from.tree.bar_offset[tree + 1]), to.bar, from.bar);
     to.tree.bar_offset.push_back(to.bar.birth.size());
   }
   to.donor.tree_offset.push_back(to.tree.neurite.size());
@@ -57,12 +39,9 @@ Dictionary subset(const Dictionary &whole, const std::vector<std::size_t> &entri
   Dictionary out;
   out.entry.donor_offset = out.entry.angle_offset = out.donor.tree_offset = out.tree.bar_offset = {0};
   for (const std::size_t entry : entries) {
-    append(out.entry.name, whole.entry.name, entry, entry + 1);
-    append(out.entry.class_name, whole.entry.class_name, entry, entry + 1);
-    append(out.entry.note, whole.entry.note, entry, entry + 1);
-    append(out.entry.straightness, whole.entry.straightness, entry, entry + 1);
-    append(out.entry.straightness_sd, whole.entry.straightness_sd, entry, entry + 1);
-    append(out.angle, whole.angle, whole.entry.angle_offset[entry], whole.entry.angle_offset[entry + 1]);
+    each_entry_item(copy_rows(entry, entry + 1), out.entry, whole.entry);
+    const auto angles = copy_rows(whole.entry.angle_offset[entry], whole.entry.angle_offset[entry + 1]);
+    angles("/dictionary/angle", Need::optional, 1, out.angle, whole.angle);
     out.entry.angle_offset.push_back(out.angle.size());
     for (std::size_t donor = whole.entry.donor_offset[entry]; donor < whole.entry.donor_offset[entry + 1];
          donor++)

@@ -19,6 +19,7 @@ struct Entries {
 struct Donors {
   std::vector<std::string> id, frame_kind; // frame_kind: "apical", "axis", "unknown"; may be empty
   std::vector<std::uint8_t> fold;          // may be empty
+  std::vector<std::uint8_t> validation;    // 1 = held back from synthesis; may be empty
   std::vector<double> frame;               // 4 per donor: w x y z; may be empty
   std::vector<double> soma_radius;         // um
   std::vector<std::uint64_t> tree_offset;
@@ -35,6 +36,43 @@ struct DictionaryBars {
   std::vector<std::int64_t> parent; // row within the tree, -1 = root bar
   std::vector<glm::dvec3> tip_direction;
 };
+
+// What has one row per entry, donor, tree or bar: `visit(path, need, columns, arrays of the tables ...)` for
+// each. Reading, writing and taking a subset go through these lists, so an item is a member above and a line
+// here.
+enum class Need { required, optional };
+
+template <class Visit, class... Table> void each_entry_item(Visit visit, Table &...entry) {
+  visit("/dictionary/entry_name", Need::required, 1, entry.name...);
+  visit("/dictionary/entry_class", Need::required, 1, entry.class_name...);
+  visit("/dictionary/entry_note", Need::optional, 1, entry.note...);
+  visit("/dictionary/entry_straightness", Need::optional, 1, entry.straightness...);
+  visit("/dictionary/entry_straightness_sd", Need::optional, 1, entry.straightness_sd...);
+}
+template <class Visit, class... Table> void each_donor_item(Visit visit, Table &...donor) {
+  visit("/dictionary/donor_id", Need::required, 1, donor.id...);
+  visit("/dictionary/donor_fold", Need::optional, 1, donor.fold...);
+  visit("/dictionary/donor_validation", Need::optional, 1, donor.validation...);
+  visit("/dictionary/donor_frame", Need::optional, 4, donor.frame...);
+  visit("/dictionary/donor_frame_kind", Need::optional, 1, donor.frame_kind...);
+  visit("/dictionary/donor_soma_radius", Need::required, 1, donor.soma_radius...);
+}
+template <class Visit, class... Table> void each_tree_item(Visit visit, Table &...tree) {
+  visit("/dictionary/tree_neurite", Need::required, 1, tree.neurite...);
+  visit("/dictionary/tree_trunk_direction", Need::required, 1, tree.trunk_direction...);
+}
+template <class Visit, class... Table> void each_bar_item(Visit visit, Table &...bar) {
+  visit("/dictionary/bar_birth", Need::required, 1, bar.birth...);
+  visit("/dictionary/bar_death", Need::required, 1, bar.death...);
+  visit("/dictionary/bar_parent", Need::required, 1, bar.parent...);
+  visit("/dictionary/bar_radius", Need::required, 1, bar.radius...);
+  visit("/dictionary/bar_taper", Need::required, 1, bar.taper...);
+  visit("/dictionary/bar_cv", Need::optional, 1, bar.cv...);
+  visit("/dictionary/bar_correlation_length", Need::optional, 1, bar.correlation_length...);
+  visit("/dictionary/bar_angle", Need::required, 1, bar.angle...);
+  visit("/dictionary/bar_tip_direction", Need::required, 1, bar.tip_direction...);
+  visit("/dictionary/bar_tip_distance", Need::required, 1, bar.tip_distance...);
+}
 
 struct Dictionary {
   Entries entry;

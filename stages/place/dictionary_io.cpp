@@ -11,53 +11,42 @@ extern "C" const unsigned char conceg_default_dictionary[], conceg_default_dicti
 namespace conceg::place {
 namespace {
 
-template <class T> std::vector<T> read(conceg_doc *doc, const char *path, std::size_t columns = 1) {
+template <class T>
+void read_array(conceg_doc *doc, const char *path, std::size_t columns, std::vector<T> &values) {
   const View<T> v = view<T>(doc, path, columns);
-  return std::vector<T>(v.begin(), v.end());
+  values.assign(v.begin(), v.end());
 }
-template <class T> std::vector<T> read_if(conceg_doc *doc, const char *path, std::size_t columns = 1) {
-  return has(doc, path) ? read<T>(doc, path, columns) : std::vector<T>();
+void read_array(conceg_doc *doc, const char *path, std::size_t, std::vector<std::string> &values) {
+  values = texts(doc, path);
 }
-std::vector<std::string> texts_if(conceg_doc *doc, const char *path) {
-  return has(doc, path) ? texts(doc, path) : std::vector<std::string>();
+void read_array(conceg_doc *doc, const char *path, std::size_t, std::vector<glm::dvec3> &values) {
+  values = vec3s<glm::dvec3>(doc, path);
 }
 template <class T>
-void put_if(conceg_doc *doc, const char *path, const std::vector<T> &values, std::size_t columns = 1) {
-  if (!values.empty()) put(doc, path, values, columns);
+void write_array(conceg_doc *doc, const char *path, std::size_t columns, const std::vector<T> &values) {
+  put(doc, path, values, columns);
 }
-void put_texts_if(conceg_doc *doc, const char *path, const std::vector<std::string> &values) {
-  if (!values.empty()) put_texts(doc, path, values);
+void write_array(conceg_doc *doc, const char *path, std::size_t, const std::vector<std::string> &values) {
+  put_texts(doc, path, values);
+}
+void write_array(conceg_doc *doc, const char *path, std::size_t, const std::vector<glm::dvec3> &values) {
+  put3(doc, path, values);
 }
 
 Dictionary read_dictionary(conceg_doc *doc) {
+  const auto item = [doc](const char *path, Need need, std::size_t columns, auto &values) {
+    if (need == Need::required || has(doc, path)) read_array(doc, path, columns, values);
+  };
   Dictionary d;
-  d.entry.name = texts(doc, "/dictionary/entry_name");
-  d.entry.class_name = texts(doc, "/dictionary/entry_class");
-  d.entry.note = texts_if(doc, "/dictionary/entry_note");
-  d.entry.donor_offset = read<std::uint64_t>(doc, "/dictionary/entry_donor_offset");
-  d.entry.angle_offset = read<std::uint64_t>(doc, "/dictionary/entry_angle_offset");
-  d.entry.straightness = read_if<double>(doc, "/dictionary/entry_straightness");
-  d.entry.straightness_sd = read_if<double>(doc, "/dictionary/entry_straightness_sd");
-  d.angle = read_if<double>(doc, "/dictionary/angle");
-  d.donor.id = texts(doc, "/dictionary/donor_id");
-  d.donor.fold = read_if<std::uint8_t>(doc, "/dictionary/donor_fold");
-  d.donor.frame = read_if<double>(doc, "/dictionary/donor_frame", 4);
-  d.donor.frame_kind = texts_if(doc, "/dictionary/donor_frame_kind");
-  d.donor.soma_radius = read<double>(doc, "/dictionary/donor_soma_radius");
-  d.donor.tree_offset = read<std::uint64_t>(doc, "/dictionary/donor_tree_offset");
-  d.tree.neurite = read<std::uint8_t>(doc, "/dictionary/tree_neurite");
-  d.tree.trunk_direction = vec3s<glm::dvec3>(doc, "/dictionary/tree_trunk_direction");
-  d.tree.bar_offset = read<std::uint64_t>(doc, "/dictionary/tree_bar_offset");
-  d.bar.birth = read<double>(doc, "/dictionary/bar_birth");
-  d.bar.death = read<double>(doc, "/dictionary/bar_death");
-  d.bar.parent = read<std::int64_t>(doc, "/dictionary/bar_parent");
-  d.bar.radius = read<double>(doc, "/dictionary/bar_radius");
-  d.bar.taper = read<double>(doc, "/dictionary/bar_taper");
-  d.bar.cv = read_if<double>(doc, "/dictionary/bar_cv");
-  d.bar.correlation_length = read_if<double>(doc, "/dictionary/bar_correlation_length");
-  d.bar.angle = read<double>(doc, "/dictionary/bar_angle");
-  d.bar.tip_direction = vec3s<glm::dvec3>(doc, "/dictionary/bar_tip_direction");
-  d.bar.tip_distance = read<double>(doc, "/dictionary/bar_tip_distance");
+  each_entry_item(item, d.entry);
+  each_donor_item(item, d.donor);
+  each_tree_item(item, d.tree);
+  each_bar_item(item, d.bar);
+  item("/dictionary/entry_donor_offset", Need::required, 1, d.entry.donor_offset);
+  item("/dictionary/entry_angle_offset", Need::required, 1, d.entry.angle_offset);
+  item("/dictionary/donor_tree_offset", Need::required, 1, d.donor.tree_offset);
+  item("/dictionary/tree_bar_offset", Need::required, 1, d.tree.bar_offset);
+  item("/dictionary/angle", Need::optional, 1, d.angle);
   return d;
 }
 
@@ -83,33 +72,18 @@ Dictionary load_dictionary(conceg_ctx *ctx, const std::string &name) {
 }
 
 void write_dictionary(conceg_doc *doc, const Dictionary &d) {
-  put_texts(doc, "/dictionary/entry_name", d.entry.name);
-  put_texts(doc, "/dictionary/entry_class", d.entry.class_name);
-  put_texts_if(doc, "/dictionary/entry_note", d.entry.note);
-  put(doc, "/dictionary/entry_donor_offset", d.entry.donor_offset);
-  put(doc, "/dictionary/entry_angle_offset", d.entry.angle_offset);
-  put_if(doc, "/dictionary/entry_straightness", d.entry.straightness);
-  put_if(doc, "/dictionary/entry_straightness_sd", d.entry.straightness_sd);
-  put(doc, "/dictionary/angle", d.angle);
-  put_texts(doc, "/dictionary/donor_id", d.donor.id);
-  put_if(doc, "/dictionary/donor_fold", d.donor.fold);
-  put_if(doc, "/dictionary/donor_frame", d.donor.frame, 4);
-  put_texts_if(doc, "/dictionary/donor_frame_kind", d.donor.frame_kind);
-  put(doc, "/dictionary/donor_soma_radius", d.donor.soma_radius);
-  put(doc, "/dictionary/donor_tree_offset", d.donor.tree_offset);
-  put(doc, "/dictionary/tree_neurite", d.tree.neurite);
-  put3(doc, "/dictionary/tree_trunk_direction", d.tree.trunk_direction);
-  put(doc, "/dictionary/tree_bar_offset", d.tree.bar_offset);
-  put(doc, "/dictionary/bar_birth", d.bar.birth);
-  put(doc, "/dictionary/bar_death", d.bar.death);
-  put(doc, "/dictionary/bar_parent", d.bar.parent);
-  put(doc, "/dictionary/bar_radius", d.bar.radius);
-  put(doc, "/dictionary/bar_taper", d.bar.taper);
-  put_if(doc, "/dictionary/bar_cv", d.bar.cv);
-  put_if(doc, "/dictionary/bar_correlation_length", d.bar.correlation_length);
-  put(doc, "/dictionary/bar_angle", d.bar.angle);
-  put3(doc, "/dictionary/bar_tip_direction", d.bar.tip_direction);
-  put(doc, "/dictionary/bar_tip_distance", d.bar.tip_distance);
+  const auto item = [doc](const char *path, Need need, std::size_t columns, const auto &values) {
+    if (need == Need::required || !values.empty()) write_array(doc, path, columns, values);
+  };
+  each_entry_item(item, d.entry);
+  each_donor_item(item, d.donor);
+  each_tree_item(item, d.tree);
+  each_bar_item(item, d.bar);
+  item("/dictionary/entry_donor_offset", Need::required, 1, d.entry.donor_offset);
+  item("/dictionary/entry_angle_offset", Need::required, 1, d.entry.angle_offset);
+  item("/dictionary/donor_tree_offset", Need::required, 1, d.donor.tree_offset);
+  item("/dictionary/tree_bar_offset", Need::required, 1, d.tree.bar_offset);
+  item("/dictionary/angle", Need::required, 1, d.angle);
 }
 
 } // namespace conceg::place

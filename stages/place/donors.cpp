@@ -30,37 +30,55 @@ glm::dquat uniform_rotation(conceg_rng &rng) {
   return {w * scale, x, y, z * scale};
 }
 
+bool unknown_frame(const Dictionary &dictionary, std::size_t donor) {
+  return !dictionary.donor.frame_kind.empty() && dictionary.donor.frame_kind[donor] == "unknown";
+}
+
 } // namespace
 
-std::size_t draw_donor(const Dictionary &dictionary, std::size_t entry, std::uint64_t cell_id,
-                       std::uint64_t seed) {
+std::size_t draw_donor(const Pool &pool, std::uint64_t cell_id, std::uint64_t seed) {
   conceg_rng rng = conceg_rng_stream(seed, "place.donor", cell_id);
-  const std::uint64_t first = dictionary.entry.donor_offset[entry],
-                      count = dictionary.entry.donor_offset[entry + 1] - first;
-  return first + conceg_rng_below(&rng, count);
+  return pool.donors[conceg_rng_below(&rng, pool.donors.size())];
 }
 
 glm::dquat draw_rotation(const Dictionary &dictionary, std::size_t donor, std::uint64_t cell_id,
                          const DonorOptions &options) {
   conceg_rng rng = conceg_rng_stream(options.seed, "place.rotation", cell_id);
-  if (!dictionary.donor.frame_kind.empty() && dictionary.donor.frame_kind[donor] == "unknown")
-    return uniform_rotation(rng);
+  if (unknown_frame(dictionary, donor)) return uniform_rotation(rng);
   double sine, cosine;
   conceg_sincos(kPi * conceg_rng_uniform(&rng), &sine, &cosine); // half of the azimuth
   return upright(options.pia) * glm::dquat(cosine, 0.0, 0.0, sine);
 }
 
-void append_cell(const Dictionary &dictionary, const CellDraw &cell, const DonorOptions &options,
-                 Bars &bars) {
+std::vector<TreeDraw> draw_trees(const Dictionary &dictionary, const Pool &pool, const CellDraw &cell,
+                                 const DonorOptions &options) {
+  conceg_rng rng = conceg_rng_stream(options.seed, "place.trees", cell.id);
+  std::vector<TreeDraw> trees;
+  for (std::size_t own = dictionary.donor.tree_offset[cell.donor];
+       own < dictionary.donor.tree_offset[cell.donor + 1]; own++) {
+    if (dictionary.tree.bar_offset[own] == dictionary.tree.bar_offset[own + 1]) continue;
+    const std::uint8_t neurite = dictionary.tree.neurite[own];
+    TreeDraw draw = {own, cell.rotation};
+    if (options.independent_trees) {
+      const std::vector<PooledTree> &alike = pool.trees[neurite];
+      const PooledTree drawn = alike[conceg_rng_below(&rng, alike.size())];
+      draw.tree = drawn.tree;
+      // Nothing is known of how this donor's frame lies to that of the cell.
+      if (unknown_frame(dictionary, drawn.donor)) draw.rotation = cell.rotation * uniform_rotation(rng);
+    }
+    // Axons are drawn too, so that growing them leaves the other trees as they are.
+    if (neurite != CONCEG_SWC_AXON || options.axons) trees.push_back(draw);
+  }
+  return trees;
+}
+
+void append_cell(const Dictionary &dictionary, const Pool &pool, const CellDraw &cell,
+                 const DonorOptions &options, Bars &bars) {
   const DictionaryBars &from = dictionary.bar;
   const std::uint64_t first_row = bars.tree.size();
   conceg_rng rng = conceg_rng_stream(options.seed, "place.angle", cell.id);
-  const std::uint64_t first_angle = dictionary.entry.angle_offset[cell.entry];
-  const std::uint64_t angles = dictionary.entry.angle_offset[cell.entry + 1] - first_angle;
   std::uint32_t tree_number = 0;
-  for (std::size_t tree = dictionary.donor.tree_offset[cell.donor];
-       tree < dictionary.donor.tree_offset[cell.donor + 1]; tree++) {
-    if (dictionary.tree.neurite[tree] == CONCEG_SWC_AXON && !options.axons) continue;
+  for (const auto &[tree, rotation] : draw_trees(dictionary, pool, cell, options)) {
     const std::vector<std::size_t> rows = parents_first(dictionary, tree);
     const std::uint64_t first_of_tree = bars.tree.size() - first_row;
     std::vector<std::int64_t> row_of(rows.size());
@@ -73,15 +91,14 @@ void append_cell(const Dictionary &dictionary, const CellDraw &cell, const Donor
       bars.neurite.push_back(dictionary.tree.neurite[tree]);
       bars.start.push_back(from.birth[bar]);
       bars.end.push_back(from.death[bar]);
-      bars.attractor.push_back(cell.soma + cell.rotation * from.tip_direction[bar] * from.tip_distance[bar]);
-      const bool drawn = !root && options.drawn_angles && angles > 0;
-      bars.angle.push_back(drawn ? dictionary.angle[first_angle + conceg_rng_below(&rng, angles)]
-                                 : from.angle[bar]);
+      bars.attractor.push_back(cell.soma + rotation * from.tip_direction[bar] * from.tip_distance[bar]);
+      const bool drawn = !root && options.drawn_angles && !pool.angles.empty();
+      bars.angle.push_back(drawn ? pool.angles[conceg_rng_below(&rng, pool.angles.size())] : from.angle[bar]);
       bars.radius.push_back(from.radius[bar] * cell.radius_scale);
       bars.taper.push_back(from.taper[bar] * cell.radius_scale);
       bars.radius_floor.push_back(options.min_radius_um);
     }
-    tree_number += !rows.empty();
+    tree_number++;
   }
   bars.cell_offset.push_back(bars.tree.size());
 }

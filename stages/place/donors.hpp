@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Drawing a donor for each cell, turning it, and writing out the bars that the cell is asked to grow. Lengths
-// in um.
+// Drawing a donor and trees for each cell, turning them, and writing out the bars that the cell is asked to
+// grow. Lengths in um.
 #pragma once
 
 #include "dictionary.hpp"
+#include "pool.hpp"
 
 #include <glm/gtc/quaternion.hpp>
 #include <glm/vec3.hpp>
@@ -14,16 +15,16 @@
 namespace conceg::place {
 
 struct DonorOptions {
-  glm::dvec3 pia = {0, 0, 1};  // unit vector
-  bool axons = false;          // also the axon trees of the donors
-  bool drawn_angles = false;   // fork angles from the entry's distribution instead of the donor's own
-  double min_radius_um = 0.15; // floor of the radius law
+  glm::dvec3 pia = {0, 0, 1};     // unit vector
+  bool axons = false;             // also the axon trees of the donors
+  bool independent_trees = false; // each tree from any donor of the entry, instead of all from the cell's own
+  bool drawn_angles = false;      // fork angles from the entry's distribution instead of the donor's own
+  double min_radius_um = 0.15;    // floor of the radius law
   std::uint64_t seed = 1;
 };
 
-// Row of one of the entry's donors, each as likely as the others; the entry has at least one.
-std::size_t draw_donor(const Dictionary &dictionary, std::size_t entry, std::uint64_t cell_id,
-                       std::uint64_t seed);
+// Row of one of the pool's donors, each as likely as the others; the pool has at least one.
+std::size_t draw_donor(const Pool &pool, std::uint64_t cell_id, std::uint64_t seed);
 
 // The turn from the donor's frame (+z towards the pia) into the box: a random azimuth about the pia, or a
 // uniform random rotation where the donor's frame is unknown.
@@ -42,13 +43,24 @@ struct Bars {
 
 struct CellDraw {
   std::uint64_t id;
-  std::size_t entry, donor;
+  std::size_t donor;
   glm::dquat rotation;
   glm::dvec3 soma;
   double radius_scale;
 };
 
-// Appends the bars of one cell: its trees in the donor's order, parents before children.
-void append_cell(const Dictionary &dictionary, const CellDraw &cell, const DonorOptions &options, Bars &bars);
+struct TreeDraw {
+  std::size_t tree;    // row
+  glm::dquat rotation; // from the frame of the tree's donor into the box
+};
+
+// A tree for each one that the cell's donor has, in the donor's order: that tree itself, or (independent
+// trees) any of the pool's trees of the same neurite kind, each as likely as the others.
+std::vector<TreeDraw> draw_trees(const Dictionary &dictionary, const Pool &pool, const CellDraw &cell,
+                                 const DonorOptions &options);
+
+// Appends the bars of one cell, tree by tree, parents before children.
+void append_cell(const Dictionary &dictionary, const Pool &pool, const CellDraw &cell,
+                 const DonorOptions &options, Bars &bars);
 
 } // namespace conceg::place

@@ -54,7 +54,7 @@ Dictionary dictionary_for(conceg_ctx *ctx, const RecipeInput &recipe,
 // The k-th cell of type t has the id k * types + t: a changed count of one type leaves the other cells as
 // they were.
 Cells draw_cells(const std::vector<Demand> &demands, std::size_t types, const Dictionary &dictionary,
-                 const std::vector<std::size_t> &entry_of_type, const DonorOptions &options) {
+                 const std::vector<Pool> &pool_of_type, const DonorOptions &options) {
   std::vector<std::pair<std::uint64_t, std::size_t>> rows; // id, demand
   std::vector<std::uint64_t> made(types);
   for (std::size_t d = 0; d < demands.size(); d++)
@@ -63,8 +63,7 @@ Cells draw_cells(const std::vector<Demand> &demands, std::size_t types, const Di
   std::sort(rows.begin(), rows.end());
   Cells cells;
   for (const auto &[id, d] : rows) {
-    const std::size_t type = demands[d].type,
-                      donor = draw_donor(dictionary, entry_of_type[type], id, options.seed);
+    const std::size_t type = demands[d].type, donor = draw_donor(pool_of_type[type], id, options.seed);
     cells.id.push_back(id);
     cells.type.push_back(static_cast<std::uint32_t>(type));
     cells.donor.push_back(static_cast<std::uint32_t>(donor));
@@ -184,7 +183,16 @@ void write_bars(conceg_doc *doc, const Bars &bars) {
 void place_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   const RecipeInput recipe = read_recipe(ctx, doc);
   std::vector<std::size_t> entry_of_type;
-  const Dictionary dictionary = dictionary_for(ctx, recipe, entry_of_type);
+  Dictionary dictionary = dictionary_for(ctx, recipe, entry_of_type);
+  const std::int64_t fold = conceg_params_i64(params, "validation_fold");
+  for (const std::string &entry : hold_back(dictionary, fold))
+    conceg_ctx_log(
+        ctx, CONCEG_LOG_WARNING,
+        "place.validation_fold: dictionary entry %s has no donor of fold %lld, so none is held back",
+        entry.c_str(), static_cast<long long>(fold));
+  std::vector<Pool> pool_of_type;
+  for (const std::size_t entry : entry_of_type)
+    pool_of_type.push_back(pool_of(dictionary, entry));
   std::vector<TypeShare> shares;
   for (const TypeInput &type : recipe.types)
     shares.push_back(type.share);
@@ -194,19 +202,19 @@ void place_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
   DonorOptions options;
   options.pia = recipe.pia;
   options.axons = conceg_params_bool(params, "axons") != 0;
+  options.independent_trees = std::strcmp(conceg_params_text(params, "trees"), "independent") == 0;
   options.drawn_angles = std::strcmp(conceg_params_text(params, "angles"), "drawn") == 0;
   options.min_radius_um = conceg_params_f64(params, "min_radius_um");
   options.seed = conceg_ctx_seed(ctx);
-  const Cells cells = draw_cells(demands, recipe.types.size(), dictionary, entry_of_type, options);
+  const Cells cells = draw_cells(demands, recipe.types.size(), dictionary, pool_of_type, options);
   const std::vector<glm::dvec3> somas =
       place_somas(recipe.box, requests_of(cells, demands, recipe.profile),
                   conceg_params_f64(params, "soma_gap_um"), options.seed, progress_of(ctx));
   Bars bars;
   for (std::size_t i = 0; i < cells.id.size(); i++) {
     const std::uint32_t type = cells.type[i];
-    append_cell(dictionary,
-                {cells.id[i], entry_of_type[type], cells.donor[i], cells.rotation[i], somas[i],
-                 recipe.types[type].radius_scale},
+    append_cell(dictionary, pool_of_type[type],
+                {cells.id[i], cells.donor[i], cells.rotation[i], somas[i], recipe.types[type].radius_scale},
                 options, bars);
     must(conceg_ctx_progress(ctx, "barcodes", i + 1, cells.id.size()));
   }
@@ -226,6 +234,11 @@ const conceg_param kParams[] = {
      nullptr, CONCEG_PARAM_F64, 0, 0, 1000},
     {"axons", "", "also grow the axon trees that the dictionary has for a donor", "false", nullptr,
      CONCEG_PARAM_BOOL, 0, 0, 0},
+    {"trees", "",
+     "trees of a cell: all from its one donor, or each drawn independently from all donors of the entry",
+     "donor", "donor|independent", CONCEG_PARAM_CHOICE, 0, 0, 0},
+    {"validation_fold", "1", "fold of donors that no cell draws, kept for comparisons (-1 = none)", "-1",
+     nullptr, CONCEG_PARAM_I64, 0, -1, 4},
     {"angles", "",
      "angle at a fork: the donor's own, or drawn from the distribution of its entry as in the paper", "donor",
      "donor|drawn", CONCEG_PARAM_CHOICE, 0, 0, 0},

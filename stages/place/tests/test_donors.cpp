@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Donors: turning about the pia, uniform spin, bars with parents first, radius law, axons, subsets, broken
-// dictionaries.
+// Donors: turning about the pia, uniform spin, bars with parents first, radius law, axons, donors held back,
+// subsets, broken dictionaries.
 #include "../donors.hpp"
 
 #include "check.h"
@@ -25,6 +25,7 @@ static Dictionary example() {
   d.donor.id = {"p", "g1", "g2"};
   d.donor.frame_kind = {"apical", "unknown", "unknown"};
   d.donor.frame = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
+  d.donor.fold = {1, 2, 0};
   d.donor.soma_radius = {7, 4, 4.5};
   d.donor.tree_offset = {0, 3, 4, 5};
   d.tree.neurite = {3, 4, 2, 7, 7};
@@ -43,14 +44,15 @@ static Dictionary example() {
 
 static CellDraw cell_of(const Dictionary &d, std::size_t donor, std::uint64_t id,
                         const DonorOptions &options) {
-  return {id, donor == 0 ? 0u : 1u, donor, draw_rotation(d, donor, id, options), {10, 20, 30}, 2.0};
+  return {id, donor, draw_rotation(d, donor, id, options), {10, 20, 30}, 2.0};
 }
 
 static void test_bars() {
   const Dictionary d = example();
+  const Pool pool = pool_of(d, 0);
   DonorOptions options;
   Bars bars;
-  append_cell(d, cell_of(d, 0, 5, options), options, bars);
+  append_cell(d, pool, cell_of(d, 0, 5, options), options, bars);
   CHECK_EQUAL(bars.tree.size(), 4); // no axon
   CHECK(bars.parent == (std::vector<std::int64_t>{-1, 0, 1, -1}));
   CHECK(bars.tree == (std::vector<std::uint32_t>{0, 0, 0, 1}));
@@ -69,14 +71,14 @@ static void test_bars() {
   CHECK_NEAR(std::hypot(bars.attractor[0].x - 10, bars.attractor[0].y - 20), 100, 1e-9);
 
   options.axons = true;
-  append_cell(d, cell_of(d, 0, 6, options), options, bars);
+  append_cell(d, pool, cell_of(d, 0, 6, options), options, bars);
   CHECK_EQUAL(bars.tree.size(), 9);
   CHECK(bars.cell_offset == (std::vector<std::uint64_t>{0, 4, 9}));
   CHECK_EQUAL(bars.tree[8], 2);
   CHECK_EQUAL(bars.parent[4 + 2], 1); // rows count within the cell
 
   options.drawn_angles = true;
-  append_cell(d, cell_of(d, 0, 6, options), options, bars);
+  append_cell(d, pool, cell_of(d, 0, 6, options), options, bars);
   CHECK_NEAR(bars.angle[9], 0, 0);
   CHECK(bars.angle[10] == 0.5 || bars.angle[10] == 0.75);
 }
@@ -113,11 +115,39 @@ static void test_directions() {
     CHECK_NEAR(spun[axis] / count, 0.0, 0.02);
     CHECK_NEAR(square[axis] / count, 1.0 / 3.0, 0.01);
   }
+  const Pool glia = pool_of(d, 1);
   int first = 0;
   for (int i = 0; i < count; i++)
-    first += draw_donor(d, 1, static_cast<std::uint64_t>(i), 1) == 1;
+    first += draw_donor(glia, static_cast<std::uint64_t>(i), 1) == 1;
   CHECK_NEAR(first / static_cast<double>(count), 0.5, 0.015);
-  CHECK_EQUAL(draw_donor(d, 0, 3, 1), 0);
+  CHECK_EQUAL(draw_donor(pool_of(d, 0), 3, 1), 0);
+}
+
+static bool contains(const std::string &text, const char *part) {
+  return text.find(part) != std::string::npos;
+}
+
+// Marks and what is left to draw; the angles of a pool with held-back donors are those of its own bars.
+static void test_hold_back() {
+  Dictionary d = example();
+  CHECK(pool_of(d, 0).angles == (std::vector<double>{0.5, 0.75}));
+  CHECK(hold_back(d, 2) == (std::vector<std::string>{"pyramidal"})); // has no donor of the fold
+  CHECK(d.donor.validation == (std::vector<std::uint8_t>{0, 1, 0}));
+  CHECK(pool_of(d, 1).donors == (std::vector<std::size_t>{2}));
+  CHECK_EQUAL(pool_of(d, 1).trees[7].size(), 1);
+  CHECK_EQUAL(pool_of(d, 1).trees[7][0].tree, 4);
+  CHECK(pool_of(d, 0).angles == (std::vector<double>{0.9, 1.1}));
+  CHECK(subset(d, {1}).donor.validation == (std::vector<std::uint8_t>{1, 0}));
+  CHECK(hold_back(d, -1).empty());
+  CHECK(d.donor.validation.empty());
+  CHECK(pool_of(d, 1).donors == (std::vector<std::size_t>{1, 2}));
+  std::string line;
+  try {
+    hold_back(d, 1);
+  } catch (const Error &error) {
+    line = error.what();
+  }
+  CHECK(contains(line, "fold 1 in dictionary entry pyramidal, got none; choose another fold"));
 }
 
 static void test_subset() {
@@ -129,6 +159,8 @@ static void test_subset() {
   CHECK(glia.angle == (std::vector<double>{1.25}));
   CHECK(glia.bar.death == (std::vector<double>{20, 30}));
   CHECK_EQUAL(glia.donor.frame.size(), 8);
+  CHECK(glia.donor.fold == (std::vector<std::uint8_t>{2, 0}));
+  CHECK(glia.bar.cv.empty()); // left out stays left out
   CHECK_EQUAL(glia.find("glia"), 0);
   CHECK_EQUAL(glia.find("pyramidal"), -1);
   const Dictionary both = subset(d, {1, 0});
@@ -146,14 +178,12 @@ static std::string broken(const std::function<void(Dictionary &)> &damage) {
   }
   return "";
 }
-static bool contains(const std::string &text, const char *part) {
-  return text.find(part) != std::string::npos;
-}
 
 int main() {
   test_bars();
   test_pia();
   test_directions();
+  test_hold_back();
   test_subset();
   CHECK(contains(broken([](Dictionary &d) { d.bar.parent[2] = 0; }), "got a cycle"));
   CHECK(contains(broken([](Dictionary &d) { d.bar.parent[0] = 3; }), "bar_parent[0]"));

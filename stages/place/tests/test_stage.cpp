@@ -1,55 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The place stage as the host runs it, on the embedded dictionary: counts, valid groups, apical trees towards
 // the pia, same bytes again, another seed, a dictionary file, and one clear line for each wrong recipe.
-#include "check.h"
-#include "conceg/run.h"
+#include "run_place.hpp"
+
 #include "conceg/swc.h"
-#include "view.hpp"
 
 #include <cstdio>
-#include <string>
-#include <vector>
-
-extern "C" const conceg_stage conceg_stage_place;
-using namespace conceg;
-
-static conceg_ctx *ctx;
-
-// A recipe of 80 um with all pyramidal entries; `more` goes on top.
-static std::string recipe_text(const char *more) {
-  return std::string("conceg: 1\nseed: 3\ndomain: {size_um: [80, 80, 80.000001], periodic: [true, true, "
-                     "true]}\ndensity_per_um3: 2e-4\n"
-                     "types:\n"
-                     "  - {name: a, class: pyramidal, entry: L23_pyramidal, fraction: 0.2, radius_scale: 2}\n"
-                     "  - {name: b, class: pyramidal, entry: L4_pyramidal, fraction: 0.3}\n"
-                     "  - {name: c, class: pyramidal, entry: L5_pyramidal, fraction: 0.3}\n"
-                     "  - {name: d, class: astrocyte, entry: astrocyte, fraction: 0.2}\n") +
-         more;
-}
-
-static conceg_doc *run(const std::string &text, std::vector<const char *> sets = {}) {
-  conceg_doc *doc = nullptr;
-  conceg_recipe *recipe = nullptr;
-  conceg_params *params = nullptr;
-  sets.push_back(nullptr);
-  conceg_ctx_clear_error(ctx);
-  conceg_status status = conceg_doc_new(ctx, &doc);
-  if (status == CONCEG_OK) status = conceg_recipe_parse(ctx, text.c_str(), "test.yaml", &recipe);
-  if (status == CONCEG_OK)
-    status = conceg_params_new(ctx, &conceg_stage_place, doc, recipe, sets.data(), nullptr, &params);
-  if (status == CONCEG_OK) status = conceg_stage_run(ctx, &conceg_stage_place, doc, params);
-  conceg_params_free(params);
-  conceg_recipe_free(recipe);
-  if (status == CONCEG_OK) return doc;
-  CHECK_EQUAL(conceg_doc_close(doc), CONCEG_OK);
-  return nullptr;
-}
-
-static std::string digest(conceg_doc *doc) {
-  char hex[65] = "";
-  if (doc) CHECK_EQUAL(conceg_doc_digest(doc, "/", hex), CONCEG_OK);
-  return hex;
-}
 
 static void test_tissue() {
   conceg_doc *doc = run(recipe_text(""));
