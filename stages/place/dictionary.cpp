@@ -46,8 +46,14 @@ Dictionary subset(const Dictionary &whole, const std::vector<std::size_t> &entri
     for (std::size_t donor = whole.entry.donor_offset[entry]; donor < whole.entry.donor_offset[entry + 1];
          donor++)
       append_donor(out, whole, donor);
+    for (std::size_t row = 0; row < whole.calibre.entry.size(); row++)
+      if (whole.calibre.entry[row] == entry) {
+        each_calibre_item(copy_rows(row, row + 1), out.calibre, whole.calibre);
+        out.calibre.entry.back() = static_cast<std::uint32_t>(out.entry.donor_offset.size() - 1);
+      }
     out.entry.donor_offset.push_back(out.donor.id.size());
   }
+  out.source = whole.source;
   return out;
 }
 

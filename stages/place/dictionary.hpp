@@ -17,11 +17,13 @@ struct Entries {
   std::vector<double> straightness, straightness_sd; // may be empty
 };
 struct Donors {
-  std::vector<std::string> id, frame_kind; // frame_kind: "apical", "axis", "unknown"; may be empty
-  std::vector<std::uint8_t> fold;          // may be empty
-  std::vector<std::uint8_t> validation;    // 1 = held back from synthesis; may be empty
-  std::vector<double> frame;               // 4 per donor: w x y z; may be empty
-  std::vector<double> soma_radius;         // um
+  std::vector<std::string> id, frame_kind;     // frame_kind: "apical", "axis", "unknown"; may be empty
+  std::vector<std::string> pooled_from, trace; // may be empty
+  std::vector<std::uint32_t> source;           // row of the sources; may be empty
+  std::vector<std::uint8_t> fold;              // may be empty
+  std::vector<std::uint8_t> validation;        // 1 = held back from synthesis; may be empty
+  std::vector<double> frame;                   // 4 per donor: w x y z; may be empty
+  std::vector<double> soma_radius;             // um
   std::vector<std::uint64_t> tree_offset;
 };
 struct Trees {
@@ -35,6 +37,18 @@ struct DictionaryBars {
   std::vector<double> angle, tip_distance;
   std::vector<std::int64_t> parent; // row within the tree, -1 = root bar
   std::vector<glm::dvec3> tip_direction;
+};
+
+// Where donors come from.
+struct Sources {
+  std::vector<std::string> name, repository, licence, terms;
+};
+// How the radii of an entry's neurites vary.
+struct Calibres {
+  std::vector<std::uint32_t> entry, donors;
+  std::vector<std::uint8_t> neurite;
+  std::vector<std::string> trace;
+  std::vector<double> radius, cv, correlation_length;
 };
 
 // What has one row per entry, donor, tree or bar: `visit(path, need, columns, arrays of the tables ...)` for
@@ -56,6 +70,24 @@ template <class Visit, class... Table> void each_donor_item(Visit visit, Table &
   visit("/dictionary/donor_frame", Need::optional, 4, donor.frame...);
   visit("/dictionary/donor_frame_kind", Need::optional, 1, donor.frame_kind...);
   visit("/dictionary/donor_soma_radius", Need::required, 1, donor.soma_radius...);
+  visit("/dictionary/donor_pooled_from", Need::optional, 1, donor.pooled_from...);
+  visit("/dictionary/donor_trace", Need::optional, 1, donor.trace...);
+  visit("/dictionary/donor_source", Need::optional, 1, donor.source...);
+}
+template <class Visit, class... Table> void each_source_item(Visit visit, Table &...source) {
+  visit("/dictionary/source_name", Need::optional, 1, source.name...);
+  visit("/dictionary/source_repository", Need::optional, 1, source.repository...);
+  visit("/dictionary/source_licence", Need::optional, 1, source.licence...);
+  visit("/dictionary/source_terms", Need::optional, 1, source.terms...);
+}
+template <class Visit, class... Table> void each_calibre_item(Visit visit, Table &...calibre) {
+  visit("/dictionary/calibre_entry", Need::optional, 1, calibre.entry...);
+  visit("/dictionary/calibre_neurite", Need::optional, 1, calibre.neurite...);
+  visit("/dictionary/calibre_donors", Need::optional, 1, calibre.donors...);
+  visit("/dictionary/calibre_trace", Need::optional, 1, calibre.trace...);
+  visit("/dictionary/calibre_radius", Need::optional, 1, calibre.radius...);
+  visit("/dictionary/calibre_cv", Need::optional, 1, calibre.cv...);
+  visit("/dictionary/calibre_correlation_length", Need::optional, 1, calibre.correlation_length...);
 }
 template <class Visit, class... Table> void each_tree_item(Visit visit, Table &...tree) {
   visit("/dictionary/tree_neurite", Need::required, 1, tree.neurite...);
@@ -80,6 +112,8 @@ struct Dictionary {
   Donors donor;
   Trees tree;
   DictionaryBars bar;
+  Sources source;
+  Calibres calibre;
 
   // Row of the entry, or -1.
   std::int64_t find(const std::string &name) const;

@@ -42,6 +42,8 @@ Dictionary read_dictionary(conceg_doc *doc) {
   each_donor_item(item, d.donor);
   each_tree_item(item, d.tree);
   each_bar_item(item, d.bar);
+  each_source_item(item, d.source);
+  each_calibre_item(item, d.calibre);
   item("/dictionary/entry_donor_offset", Need::required, 1, d.entry.donor_offset);
   item("/dictionary/entry_angle_offset", Need::required, 1, d.entry.angle_offset);
   item("/dictionary/donor_tree_offset", Need::required, 1, d.donor.tree_offset);
@@ -79,6 +81,8 @@ void write_dictionary(conceg_doc *doc, const Dictionary &d) {
   each_donor_item(item, d.donor);
   each_tree_item(item, d.tree);
   each_bar_item(item, d.bar);
+  each_source_item(item, d.source);
+  each_calibre_item(item, d.calibre);
   item("/dictionary/entry_donor_offset", Need::required, 1, d.entry.donor_offset);
   item("/dictionary/entry_angle_offset", Need::required, 1, d.entry.angle_offset);
   item("/dictionary/donor_tree_offset", Need::required, 1, d.donor.tree_offset);

@@ -50,6 +50,7 @@ texts = {
     "characterise.entry": "others",
     "characterise.table": "{work}/two.csv",
     "characterise.root": "{work}",
+    "characterise.sources": "{work}/sources.csv",
     "characterise.csv": "{work}/csv",
     "mesh.vdb": "{work}/cells.vdb",
     "export.cells": "0",
@@ -109,6 +110,8 @@ class Parameters:
         (work / "loose.swc").write_text(cell.replace("2 4 0 0 5 1 1", "2.0 4 0 0 5 1 1"))
         columns = "file,entry,class,donor_id,fold,frame,soma_radius_um,axon,note\n"
         (work / "two.csv").write_text(columns + "cell.swc,two,interneuron,,0,-y,,full,\n")
+        (work / "sourced.csv").write_text("file,entry,class,source\ncell.swc,two,interneuron,here\n")
+        (work / "sources.csv").write_text("source,repository,licence,terms\nhere,a/b,MIT,cite\n")
         (work / "glia.csv").write_text(columns + f"{self.source}/data/astrocyte-barcodes.csv,glia,astrocyte,,0,unknown,,,\n")
         made = work / "made"
         self.inputs = {
@@ -122,6 +125,8 @@ class Parameters:
             return ["--table", self.work / "glia.csv"]
         if name == "strict":
             return [*(["swc"] if stage == "import" else []), self.work / "loose.swc"]
+        if stage == "characterise" and name == "sources":
+            return ["--table", self.work / "sourced.csv"]
         if stage == "characterise" and name == "table":
             return []
         return self.inputs[stage]
