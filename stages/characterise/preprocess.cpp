@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "preprocess.hpp"
 
+#include "axon.hpp"
 #include "sections.hpp"
 
 #include <algorithm>
@@ -70,6 +71,13 @@ std::vector<Piece> split_pieces(const Samples &samples) {
 }
 
 } // namespace
+
+Cleaned &Cleaned::operator+=(const Cleaned &other) {
+  twigs += other.twigs, floating += other.floating, axon_pieces += other.axon_pieces;
+  short_trees += other.short_trees, raised_radii += other.raised_radii;
+  joined_pieces += other.joined_pieces, bridged_um += other.bridged_um;
+  return *this;
+}
 
 std::size_t remove_twigs(Tree &tree, double length_um, double radius_um) {
   const std::vector<Section> sections = find_sections(tree);
@@ -142,7 +150,7 @@ std::vector<Tree> clean_trees(const Samples &samples, const glm::dvec3 &soma, do
                               const Cleaning &rules, Cleaned &count) {
   std::vector<Piece> pieces = split_pieces(samples);
   std::vector<Tree> trees;
-  const Piece *axon = nullptr;
+  Piece *axon = nullptr;
   for (Piece &p : pieces) {
     for (double &r : p.tree.radius)
       if (r < rules.lowest_radius_um) r = rules.lowest_radius_um, count.raised_radii++;
@@ -156,7 +164,15 @@ std::vector<Tree> clean_trees(const Samples &samples, const glm::dvec3 &soma, do
     } else if (!p.joined)
       count.floating++;
   }
-  if (axon && rules.axons) count.axon_pieces--;
+  if (axon && rules.axons) {
+    std::vector<Tree> loose;
+    for (const Piece &p : pieces)
+      if (p.axon && !p.joined) loose.push_back(p.tree);
+    const Joined joined =
+        rules.axon_gap_um > 0.0 ? join_pieces(axon->tree, loose, rules.axon_gap_um) : Joined{};
+    count.joined_pieces = joined.pieces, count.bridged_um = joined.bridged_um;
+    count.axon_pieces -= 1 + joined.pieces;
+  }
   for (const Piece &p : pieces) {
     if (p.axon ? !rules.axons || &p != axon : !p.joined) continue;
     for (Tree &t :

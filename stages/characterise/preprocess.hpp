@@ -17,8 +17,9 @@ struct Samples {
 };
 
 struct Cleaning {
-  bool glia = false;  // all processes are glial (code 7)
-  bool axons = false; // keep the largest axon tree that is joined to the cell
+  bool glia = false;        // all processes are glial (code 7)
+  bool axons = false;       // keep the largest axon tree that is joined to the cell
+  double axon_gap_um = 0.0; // and join to it the loose pieces of axon that are no farther than this; 0 = none
   double twig_length_um =
       0.0; // terminal sections shorter and thinner than these two are spines; 0 = keep all
   double twig_radius_um = 0.0;
@@ -29,6 +30,9 @@ struct Cleaning {
 
 struct Cleaned {
   std::size_t twigs = 0, floating = 0, axon_pieces = 0, short_trees = 0, raised_radii = 0;
+  std::size_t joined_pieces = 0; // of the axon: kept, over gaps
+  double bridged_um = 0.0;       // the sum of those gaps
+  Cleaned &operator+=(const Cleaned &other);
 };
 
 // Trees on the soma; a tree's neurite is the code with most cable in it. What was left out is counted.

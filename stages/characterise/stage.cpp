@@ -129,6 +129,7 @@ struct Output {
   Dictionary dictionary;
   Measures measures;
   Summary summary;
+  Cleaned cleaned;
 };
 
 // Radii of the dendrites or processes as traced.
@@ -202,11 +203,13 @@ void add_reconstruction(conceg_ctx *ctx, Output &out, EntrySums &sums, std::vect
                  "%s %s: %zu trees, %zu bars, %zu branches; order %.2f, branch %.1f um, angle %.1f degree, "
                  "straightness %.3f, radius %.3f um (%s), "
                  "cable %.0f um; left out: %zu twigs, %zu floating trees, %zu axon pieces, %zu short trees; "
-                 "%zu radii raised",
+                 "%zu radii raised; %zu axon pieces joined over %.0f um",
                  row.entry.c_str(), donor.id.c_str(), f.trees, f.bars, static_cast<std::size_t>(g.sections),
                  g.order.mean, g.section_length.mean, g.local_angle.mean * 57.29577951308232,
                  g.straightness_1um.mean, f.radius, name_of(donor.trace), f.cable, left_out.twigs,
-                 left_out.floating, left_out.axon_pieces, left_out.short_trees, left_out.raised_radii);
+                 left_out.floating, left_out.axon_pieces, left_out.short_trees, left_out.raised_radii,
+                 left_out.joined_pieces, left_out.bridged_um);
+  out.cleaned += left_out;
 }
 
 // The figures of a cell that is made of bars: a bar is cut where others start on it.
@@ -249,12 +252,24 @@ void add_astrocytes(conceg_ctx *ctx, Output &out, EntrySums &sums, const TableRo
       sums.straight * sums.straight + options.astrocyte.straightness_sd * options.astrocyte.straightness_sd;
 }
 
+void log_cleaning(conceg_ctx *ctx, const Cleaning &rules, const Cleaned &all) {
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_RESULT,
+      "left out: %zu spine-like twigs (ends shorter than %g um and thinner than %g um), %zu floating trees, "
+      "%zu pieces of axons, %zu trees below %g um; %zu radii raised to %g um; %zu pieces of axons joined "
+      "over gaps of at most %g um, %.0f um in all (-v: cell by cell)",
+      all.twigs, rules.twig_length_um, rules.twig_radius_um, all.floating, all.axon_pieces, all.short_trees,
+      rules.tree_length_um, all.raised_radii, rules.lowest_radius_um, all.joined_pieces, rules.axon_gap_um,
+      all.bridged_um);
+}
+
 Options read_options(const conceg_params *params, const std::string &table) {
   Options o;
   const std::string root = conceg_params_text(params, "root");
   o.table_folder = table.empty() ? "." : folder_of(table);
   o.root = root.empty() ? o.table_folder : root;
   o.cleaning.axons = conceg_params_bool(params, "axons") != 0;
+  o.cleaning.axon_gap_um = conceg_params_f64(params, "axon_gap_um");
   o.cleaning.twig_length_um = conceg_params_f64(params, "twig_length_um");
   o.cleaning.twig_radius_um = conceg_params_f64(params, "twig_radius_um");
   o.cleaning.tree_length_um = conceg_params_f64(params, "tree_length_um");
@@ -390,6 +405,7 @@ void run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   must(conceg_ctx_progress(ctx, "reading cells", rows.size(), rows.size()));
   for (const std::string &line : out.summary.lines())
     conceg_ctx_log(ctx, CONCEG_LOG_RESULT, "%s", line.c_str());
+  log_cleaning(ctx, options.cleaning, out.cleaned);
 }
 
 const conceg_param parameters[] = {
@@ -407,6 +423,9 @@ const conceg_param parameters[] = {
     {"axons", "",
      "keep the largest axon tree of each cell whose table row says axon full (without a table: of each cell)",
      "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
+    {"axon_gap_um", "um",
+     "loose pieces of a kept axon are joined to it over gaps up to this; 0 keeps the largest tree alone",
+     "20", nullptr, CONCEG_PARAM_F64, 0, 0, 1000},
     {"twig_length_um", "um",
      "neurons: terminal branches shorter than this and thinner than twig_radius_um are spines; 0 keeps all",
      "3", nullptr, CONCEG_PARAM_F64, 0, 0, 100},
