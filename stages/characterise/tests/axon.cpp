@@ -18,7 +18,7 @@ Tree comb() {
   Tree tree;
   tree.neurite = neurite_axon;
   const auto add = [&](double x, double y, std::int64_t parent) {
-    tree.position.emplace_back(x, y, 0.01 * static_cast<double>(tree.size()));
+    tree.position.emplace_back(x, y, 1e-4 * static_cast<double>(tree.size()));
     tree.radius.push_back(0.1 + 0.001 * static_cast<double>(tree.size())), tree.parent.push_back(parent);
     return static_cast<std::int64_t>(tree.size()) - 1;
   };
@@ -89,7 +89,8 @@ void check_joined() {
       std::size_t end = piece.size() - 1;
       while (children.count(end))
         end--;
-      if (conceg_rng_uniform(&rng) < 0.5) piece = turned_to(piece, end);
+      // A piece that begins at a fork has no end there once it is turned.
+      if (children.count(0) < 2 && conceg_rng_uniform(&rng) < 0.5) piece = turned_to(piece, end);
     }
     std::reverse(pieces.begin(), pieces.end());
     std::vector<Tree> far = pieces;
