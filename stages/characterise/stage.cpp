@@ -7,6 +7,7 @@
 #include "guard.hpp"
 #include "measures.hpp"
 #include "output.hpp"
+#include "pictures.hpp"
 #include "preprocess.hpp"
 #include "table.hpp"
 #include "view.hpp"
@@ -102,7 +103,7 @@ Donor make_donor(const TableRow &row, const Cell &cell, const std::string &path)
 }
 
 void add_reconstruction(conceg_ctx *ctx, Dictionary &dictionary, EntrySums &sums, Measures &measures,
-                        const TableRow &row, const Options &options) {
+                        Pictures &pictures, const TableRow &row, const Options &options) {
   const std::string path = find_file(options, row.file);
   conceg_swc *raw = nullptr;
   const conceg_status status = conceg_swc_read(ctx, path.c_str(), options.swc_flags, &raw);
@@ -129,6 +130,7 @@ void add_reconstruction(conceg_ctx *ctx, Dictionary &dictionary, EntrySums &sums
   if (cell.trees.empty()) fail(CONCEG_E_FORMAT, "%s: expected trees on the soma, got none", path.c_str());
   const Donor donor = make_donor(row, cell, path);
   const CellFigures f = add_cell(dictionary, sums, donor, cell);
+  pictures.keep(dictionary, cell);
   if (options.metrics != "none") {
     const metrics::Samples measured =
         options.metrics == "read" ? whole_cell(samples, cell.soma, cell.soma_radius) : whole_cell(cell);
@@ -250,6 +252,7 @@ void run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   const Options options = read_options(params, table);
   Dictionary dictionary;
   Measures measures;
+  Pictures pictures(conceg_params_text(params, "pictures"), conceg_params_text(params, "beside"));
   for (std::size_t i = 0; i < rows.size();) {
     std::size_t end = i;
     std::string note;
@@ -265,12 +268,13 @@ void run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
           row.file.substr(row.file.size() - 4) == ".csv")
         add_astrocytes(ctx, dictionary, sums, row, options);
       else
-        add_reconstruction(ctx, dictionary, sums, measures, row, options);
+        add_reconstruction(ctx, dictionary, sums, measures, pictures, row, options);
     }
     close_entry(dictionary, sums);
   }
   write_dictionary(doc, dictionary);
   write_measures(doc, measures, conceg_params_text(params, "csv"));
+  pictures.draw(ctx, dictionary);
   must(conceg_ctx_progress(ctx, "reading cells", rows.size(), rows.size()));
 }
 
@@ -301,6 +305,10 @@ const conceg_param parameters[] = {
      "cleaned", "cleaned|read|none", CONCEG_PARAM_CHOICE, 0, 0, 0},
     {"csv", "", "folder for the same tables as comma-separated files; made when absent", "", nullptr,
      CONCEG_PARAM_FILE, 0, 0, 0},
+    {"pictures", "", "folder for a figure of every entry as an SVG file; made when absent", "", nullptr,
+     CONCEG_PARAM_FILE, 0, 0, 0},
+    {"beside", "", "document with cells that grew from these entries: drawn beside the donors, with pictures",
+     "", nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
     {"strict", "", "read SWC strictly: warnings marked S are errors", "false", nullptr, CONCEG_PARAM_BOOL, 0,
      0, 0},
     {"astrocyte_donors", "1", "cells to make of each table of astrocyte barcodes", "16", nullptr,
