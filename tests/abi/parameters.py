@@ -41,6 +41,8 @@ same = {
     "analyse.icvf_tolerance": "where a warning begins: the measures are the same",
     "characterise.root": "a folder that the files of this test are not in",
     "characterise.csv": "a folder for files beside the document",
+    "characterise.pictures": "a folder for pictures beside the document",
+    "characterise.beside": "grown cells for those pictures",
     "mesh.vdb": "a file beside the document",
     "export.dir": "where the files go, not what is in them",
     "render.dir": "where the files go, not what is in them",
@@ -52,6 +54,8 @@ texts = {
     "characterise.root": "{work}",
     "characterise.sources": "{work}/sources.csv",
     "characterise.csv": "{work}/csv",
+    "characterise.pictures": "{work}/pictures",
+    "characterise.beside": "{work}/mesh.cgx",
     "mesh.vdb": "{work}/cells.vdb",
     "export.cells": "0",
     "export.dir": "{work}/exported",
@@ -60,6 +64,7 @@ texts = {
 }
 # Options that the flip needs to be seen.
 needs = {
+    "characterise.beside": ["--pictures", "{work}/pictures"],
     "export.ascii": ["--to", "ply"],
     "render.cut_axis": ["--what", "cut"],
     "render.cut_position": ["--what", "cut"],
@@ -175,7 +180,7 @@ class Parameters:
     def flip(self, stage, row, base, sink, extra):
         key = f"{stage}.{row['name']}"
         option = "--" + row["name"].replace("_", "-")
-        words = [*self.words_of(stage, row["name"]), *extra, *needs.get(key, [])]
+        words = [*self.words_of(stage, row["name"]), *extra, *[w.format(work=self.work) for w in needs.get(key, [])]]
         words = [w for i, w in enumerate(words) if w != option and (i == 0 or words[i - 1] != option)]
         special = words != [*self.inputs[stage], *extra]
         before = self.output(stage, words, sink)[0] if special and row["name"] != "table" else base
