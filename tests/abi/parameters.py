@@ -112,6 +112,7 @@ class Parameters:
         self.must("run", recipe, "--until", until, "--set", "mesh.h_um=0.6", "-q", "--checkpoint", work / "made", "-o", work / "mesh.cgx")
         (work / "cell.swc").write_text(cell)
         (work / "loose-trees.swc").write_text(cell + "16 3 50 0 0 0.4 -1\n17 3 55 0 0 0.4 16\n")
+        (work / "pieces.swc").write_text(cell + "16 2 0 -5 0 0.2 1\n17 2 0 -30 0 0.2 16\n18 2 0 -40 0 0.2 -1\n19 2 0 -60 0 0.2 18\n")
         (work / "loose.swc").write_text(cell.replace("2 4 0 0 5 1 1", "2.0 4 0 0 5 1 1"))
         columns = "file,entry,class,donor_id,fold,frame,soma_radius_um,axon,note\n"
         (work / "two.csv").write_text(columns + "cell.swc,two,interneuron,,0,-y,,full,\n")
@@ -130,6 +131,8 @@ class Parameters:
             return ["--table", self.work / "glia.csv"]
         if name == "strict":
             return [*(["swc"] if stage == "import" else []), self.work / "loose.swc"]
+        if stage == "characterise" and name == "axon_gap_um":
+            return [self.work / "pieces.swc", "--axons=true"]
         if stage == "characterise" and name == "sources":
             return ["--table", self.work / "sourced.csv"]
         if stage == "characterise" and name == "table":
