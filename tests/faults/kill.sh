@@ -58,7 +58,9 @@ conceg run "$recipe" --until relax -q -o whole.cgx
 # The shell is waited for, its stages are not: one that is still in fsync keeps its file locked, so that no sweep may take it.
 gone() { for _ in $(seq 400); do kill -0 -- "-$1" 2>/dev/null || return 0; sleep 0.05; done; echo "group $1 lives on after SIGKILL"; }
 random() { awk -v s="$seed" -v k="$1" 'BEGIN { srand(1000 * s + k); printf "%.3f", 0.05 + 1.2 * rand() }'; }
-for k in 1 2 3; do
+turns=3
+[ "$kills" -lt 200 ] || turns=20
+for k in $(seq "$turns"); do
   setsid sh -c "conceg place -q -p '$recipe' | conceg triangulate -q | conceg grow -q | conceg relax -q -o piped.cgx" 2>/dev/null &
   group=$!
   sleep "$(random "$k")"
@@ -72,7 +74,7 @@ for k in 1 2 3; do
   rm -rf saved resumed.cgx
   conceg run "$recipe" --until relax -q --checkpoint saved -o resumed.cgx &
   child=$!
-  sleep "$(random "1$k")"
+  sleep "$(random "$((1000 + k))")"
   kill -KILL "$child" 2>/dev/null || true
   wait "$child" 2>/dev/null || true
   printf 'run --checkpoint, killed with %s checkpoints done\n' "$(ls saved 2>/dev/null | wc -l)"
