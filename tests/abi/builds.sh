@@ -1,11 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Other builds of the same sources.  builds.sh SOURCE FOLDER KIND
+# Other builds of the same sources.  builds.sh SOURCE FOLDER KIND [PROGRAMS]
 #   bare       the libraries and the programs without any stage and without Embree, so without any C++ library
 #   sanitized  library, programs and the stages that need no CGAL, VTK or OpenVDB, under ASan and UBSan: their tests
 #   sanitized-core  libraries and programs alone under ASan and UBSan, leaks too: their tests
 #   thread     libraries and the stages up to relax under TSan: their tests, and small.yaml on two threads
-#   clang      everything by clang 14, warnings as errors, and its unit tests
+#   clang      everything by clang 14, warnings as errors, its unit tests, and the tissue of PROGRAMS again, byte for byte
 set -eu
 source=$1 folder=$2 kind=$3
 stages="CHARACTERISE IMPORT PLACE TRIANGULATE GROW RELAX MESH ANALYSE EXPORT RENDER"
@@ -50,6 +50,12 @@ case $kind in
     tests -R 'unit.(context|document|substrate|query)'
     "$folder/bin/conceg" run "$source/tests/pipe/small.yaml" --until relax --threads 2 -v -o "$folder/small.cgx"
     "$folder/bin/conceg" validate "$folder/small.cgx" ;;
+  clang)
+    tests -L unit
+    # Two compilers, the same tissue: PROGRAMS of the other build.
+    "$folder/bin/conceg" run "$source/tests/pipe/small.yaml" --until relax -q -o "$folder/small.cgx"
+    "${4:-$source/build/bin}/conceg" run "$source/tests/pipe/small.yaml" --until relax -q -o "$folder/other.cgx"
+    "$folder/bin/conceg" diff "$folder/small.cgx" "$folder/other.cgx" ;;
   *)
     suppressions address.supp
     tests -L unit ;;

@@ -90,7 +90,7 @@ Tree random_tree(std::uint64_t id, std::size_t nodes) {
                : static_cast<std::int64_t>(conceg_rng_below(&rng, 10) ? i - 1 : conceg_rng_below(&rng, i));
     const glm::dvec3 from = up < 0 ? glm::dvec3(0.0) : tree.position[static_cast<std::size_t>(up)];
     tree.position.push_back(
-        from + glm::dvec3(conceg_rng_normal(&rng), conceg_rng_normal(&rng), conceg_rng_normal(&rng)));
+        from + glm::dvec3{conceg_rng_normal(&rng), conceg_rng_normal(&rng), conceg_rng_normal(&rng)});
     tree.radius.push_back(0.2 + conceg_rng_uniform(&rng));
     tree.parent.push_back(up);
   }
@@ -182,7 +182,7 @@ void check_frame() {
   conceg_rng rng = conceg_rng_stream(1, "frame", 0);
   for (int i = 0; i < 100; i++) {
     const glm::dvec3 a =
-        glm::normalize(glm::dvec3(conceg_rng_normal(&rng), conceg_rng_normal(&rng), conceg_rng_normal(&rng)));
+        glm::normalize(glm::dvec3{conceg_rng_normal(&rng), conceg_rng_normal(&rng), conceg_rng_normal(&rng)});
     CHECK_NEAR(glm::length(rotate(rotation_to_z(a), a) - glm::dvec3(0, 0, 1)), 0.0, 1e-12);
   }
   CHECK_NEAR(rotate(rotation_to_z({0, 0, -1}), {0, 0, -1}).z, 1.0, 1e-12);

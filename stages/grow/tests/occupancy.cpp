@@ -10,7 +10,7 @@ namespace {
 void distances() {
   conceg_rng rng = conceg_rng_stream(5, "test.distances", 1);
   const auto point = [&] {
-    return glm::dvec3(conceg_rng_uniform(&rng), conceg_rng_uniform(&rng), conceg_rng_uniform(&rng)) * 4.0 -
+    return glm::dvec3{conceg_rng_uniform(&rng), conceg_rng_uniform(&rng), conceg_rng_uniform(&rng)} * 4.0 -
            2.0;
   };
   for (int trial = 0; trial < 200; trial++) {

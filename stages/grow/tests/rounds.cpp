@@ -23,7 +23,7 @@ World crowded(int cells) {
   world.make_box(22, true);
   for (int c = 0; c < cells; c++) {
     world.add_cell({5.0 + 11.0 * (c & 1), 5.0 + 11.0 * (c >> 1), 5.0 + 11.0 * ((c * 3) % 4 & 1)}, 3.0);
-    world.add_random_trees(6, 10, 70, 0.5, 20 + static_cast<unsigned>(c));
+    world.add_random_trees(6, 10, 70, 0.6, 20 + static_cast<unsigned>(c));
   }
   world.make_network(1.0, 0.2, 1.25);
   return world;

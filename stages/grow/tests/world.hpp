@@ -131,7 +131,7 @@ struct World {
     const auto direction = [&] {
       glm::dvec3 d;
       do
-        d = glm::dvec3(conceg_rng_uniform(&rng), conceg_rng_uniform(&rng), conceg_rng_uniform(&rng)) * 2.0 -
+        d = glm::dvec3{conceg_rng_uniform(&rng), conceg_rng_uniform(&rng), conceg_rng_uniform(&rng)} * 2.0 -
             1.0;
       while (glm::dot(d, d) > 1.0 || glm::dot(d, d) < 0.01);
       return glm::normalize(d);

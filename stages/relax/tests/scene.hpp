@@ -32,7 +32,7 @@ inline void add_cable(conceg::relax::Skeletons &s, const glm::dvec3 &start, cons
 inline glm::dvec3 direction(conceg_rng &rng) {
   glm::dvec3 d(0);
   do
-    d = 2.0 * glm::dvec3(conceg_rng_uniform(&rng), conceg_rng_uniform(&rng), conceg_rng_uniform(&rng)) - 1.0;
+    d = 2.0 * glm::dvec3{conceg_rng_uniform(&rng), conceg_rng_uniform(&rng), conceg_rng_uniform(&rng)} - 1.0;
   while (glm::length(d) > 1 || glm::length(d) < 0.1);
   return glm::normalize(d);
 }
@@ -45,7 +45,7 @@ inline conceg::relax::Skeletons random_cells(std::uint64_t seed, int cells, int 
   for (int cell = 0; cell < cells; cell++) {
     conceg_rng rng = conceg_rng_stream(seed, "test.relax", static_cast<std::uint64_t>(cell));
     const glm::dvec3 soma =
-        size * glm::dvec3(conceg_rng_uniform(&rng), conceg_rng_uniform(&rng), conceg_rng_uniform(&rng));
+        size * glm::dvec3{conceg_rng_uniform(&rng), conceg_rng_uniform(&rng), conceg_rng_uniform(&rng)};
     s.soma.push_back(soma), s.soma_radius.push_back(soma_radius);
     const std::size_t first = s.position.size();
     glm::dvec3 heading = direction(rng);

@@ -96,7 +96,7 @@ void exact_distance_of_cones() {
   double worst = 0;
   for (int n = 0; n < 300; n++) {
     const auto point = [&] {
-      return 2.0 * glm::dvec3(conceg_rng_uniform(&rng), conceg_rng_uniform(&rng), conceg_rng_uniform(&rng));
+      return 2.0 * glm::dvec3{conceg_rng_uniform(&rng), conceg_rng_uniform(&rng), conceg_rng_uniform(&rng)};
     };
     const auto radius = [&] { return 0.1 + 0.5 * conceg_rng_uniform(&rng); };
     RoundCone a = {point(), point(), radius(), radius()}, b = {point(), point(), radius(), radius()};
