@@ -87,7 +87,7 @@ int tool_dump(int argc, char **argv) {
   struct cli cli;
   unsigned long long limit = 0;
   int code = cli_begin(&cli, &program, argc, argv);
-  if (code < 0 && rows && (sscanf(rows, "%llu", &limit) != 1 || *rows == '-'))
+  if (code < 0 && rows && (rows[strspn(rows, "0123456789")] || sscanf(rows, "%llu", &limit) != 1))
     code = cli_fail(&cli, EXIT_USAGE, "--rows %s: expected a whole number", rows);
   if (code < 0 && cli.words.count == 2) group = cli.words.word[0];
   if (code < 0)

@@ -30,9 +30,10 @@ conceg_status conceg_query_new(conceg_ctx *ctx, const conceg_substrate *substrat
   query->surface_count = conceg_substrate_meshes(substrate);
   query->surfaces = calloc(query->surface_count, sizeof *query->surfaces);
   if (!query->surfaces) {
+    status = conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "query: out of memory for %llu surfaces",
+                             (unsigned long long)query->surface_count);
     conceg_query_free(query);
-    return conceg_ctx_fail(ctx, CONCEG_E_NOMEM, "query: out of memory for %llu surfaces",
-                           (unsigned long long)query->surface_count);
+    return status;
   }
   for (s = 0; s < query->surface_count; s++) {
     conceg_mesh_view view = {0};
