@@ -2,12 +2,12 @@
 // Hand-made trees with known answers: sections, barcode, angles, straightness, calibre, frame, cleaning.
 #include "check.h"
 
-#include "barcode.hpp"
 #include "calibre.hpp"
 #include "dictionary.hpp"
 #include "frame.hpp"
 #include "preprocess.hpp"
 #include "sections.hpp"
+#include "tests/trees.hpp"
 
 #include "conceg/rng.h"
 
@@ -95,25 +95,6 @@ Tree random_tree(std::uint64_t id, std::size_t nodes) {
     tree.parent.push_back(up);
   }
   return tree;
-}
-
-// Bars = leaves, their lengths add up to the cable, a bar lies inside its parent, children after parents.
-bool invariants_hold(const Tree &tree, const std::vector<Bar> &bars) {
-  const Children children(tree.parent);
-  std::size_t leaves = 0, roots = 0;
-  for (std::size_t i = 0; i < tree.size(); i++)
-    leaves += children.count(i) == 0;
-  double sum = 0.0;
-  for (std::size_t i = 0; i < bars.size(); i++) {
-    sum += bars[i].death - bars[i].birth;
-    roots += bars[i].parent < 0;
-    if (bars[i].parent >= static_cast<std::int64_t>(i)) return false;
-    if (bars[i].parent < 0) continue;
-    const Bar &up = bars[static_cast<std::size_t>(bars[i].parent)];
-    if (up.birth > bars[i].birth || up.death < bars[i].death) return false;
-  }
-  return bars.size() == leaves && roots == 1 && bars[0].birth == 0.0 &&
-         std::abs(sum - cable_length(tree)) < 1e-9 * (1.0 + sum);
 }
 
 void check_invariants() {

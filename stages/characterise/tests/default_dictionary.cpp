@@ -9,8 +9,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <map>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -18,27 +20,52 @@ using namespace conceg;
 
 namespace {
 
-// Per-cell means over the branches of the dendrites of the source cells: order (1 at the root), length, local
-// angle, measured with Python code of another author, before this stage was written.
+// Order (1 at the root) and length of branches, mean of the cells' means, and local angle, mean of all forks.
+struct Figures {
+  std::size_t donors = 0;
+  double order = 0.0, length_um = 0.0, angle_degree = 0.0;
+};
+
+// What NeuroM finds in the source cells; the file says which version made it.
+std::map<std::string, Figures> read_figures() {
+  std::map<std::string, Figures> out;
+  std::ifstream in(CONCEG_HERE "/default_dictionary.tsv");
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    std::string entry;
+    Figures f;
+    if (line[0] != '#' && words >> entry >> f.donors >> f.order >> f.length_um >> f.angle_degree)
+      out[entry] = f;
+  }
+  // No reconstruction: what the stage's parameters ask for, as published (stages/characterise/README.md).
+  out["astrocyte"] = {16, 2.2, 13.0, 75.0};
+  return out;
+}
+
+// NeuroM's cells keep their twigs; the astrocytes are made to come near to theirs.
+struct Tolerances {
+  double order, length_um, angle_degree;
+};
+constexpr Tolerances reconstructed{0.1, 0.6, 0.3}, made{0.2, 1.0, 3.0};
+// Both axons leave dendrites: NeuroM counts those forks, whose angles on voxels are near 0 or 180 degree.
+constexpr Tolerances with_axon_forks{0.1, 0.6, 3.0};
+
 struct Expected {
   const char *entry, *cell_class;
-  std::size_t donors;
-  double order, order_tolerance, length_um, length_tolerance_um, angle_degree, angle_tolerance_degree;
 };
 const Expected expected[] = {
-    {"L23_pyramidal", "pyramidal", 4, 3.86, 0.1, 47.0, 1.0, 71.0, 2.0},
-    {"L4_pyramidal", "pyramidal", 23, 3.65, 0.1, 47.9, 1.0, 73.0, 2.0},
-    {"L5_pyramidal", "pyramidal", 10, 4.64, 0.3, 52.6, 2.0, 69.0,
-     3.0}, // without the cell whose apical dendrite is cut
-    {"L6_pyramidal", "pyramidal", 5, 5.15, 0.1, 57.3, 1.0, 69.0, 2.0},
-    {"L23_interneuron", "interneuron", 8, 3.23, 0.1, 50.3, 1.0, 69.0, 4.0},
-    {"L4_interneuron", "interneuron", 6, 2.90, 0.1, 53.1, 1.0, 69.0, 4.0},
-    {"L5_interneuron", "interneuron", 23, 2.94, 0.1, 58.2, 1.0, 73.0, 4.0},
-    {"L6_interneuron", "interneuron", 5, 2.90, 0.1, 54.2, 1.0, 72.0, 4.0},
-    {"microglia", "microglia", 16, 6.2, 0.6, 6.7, 0.5, 50.0, 5.0},
-    {"astrocyte", "astrocyte", 16, 2.2, 0.2, 13.0, 1.0, 75.0, 3.0},
-    {"L23_pyramidal_pooled", "pyramidal", 10, 3.61, 0.05, 47.4, 0.5, 72.7, 1.0}, // these two by NeuroM 4.0.6
-    {"EM_interneuron", "interneuron", 2, 3.03, 0.05, 58.6, 1.0, 102.2, 5.0},
+    {"L23_pyramidal", "pyramidal"},
+    {"L4_pyramidal", "pyramidal"},
+    {"L5_pyramidal", "pyramidal"},
+    {"L6_pyramidal", "pyramidal"},
+    {"L23_interneuron", "interneuron"},
+    {"L4_interneuron", "interneuron"},
+    {"L5_interneuron", "interneuron"},
+    {"L6_interneuron", "interneuron"},
+    {"microglia", "microglia"},
+    {"astrocyte", "astrocyte"},
+    {"L23_pyramidal_pooled", "pyramidal"},
+    {"EM_interneuron", "interneuron"},
 };
 
 struct Loaded {
@@ -96,27 +123,30 @@ void add_branches(const Loaded &d, std::size_t tree, Branches &sum) {
   }
 }
 
-void check_entry(const Loaded &d, std::size_t e) {
+void check_entry(const Loaded &d, std::size_t e, const Figures &figures) {
   const Expected &want = expected[e];
+  const Tolerances &tolerance = e == 9                           ? made
+                                : d.entry[e] == "EM_interneuron" ? with_axon_forks
+                                                                 : reconstructed;
   double order = 0.0, length = 0.0, angle = 0.0;
   const std::size_t begin = d.entry_donor[e], end = d.entry_donor[e + 1];
   CHECK_TEXT(d.entry[e].c_str(), want.entry);
   CHECK_TEXT(d.entry_class[e].c_str(), want.cell_class);
-  CHECK_EQUAL(end - begin, want.donors);
+  CHECK_EQUAL(end - begin, figures.donors);
   for (std::size_t donor = begin; donor < end; donor++) {
     Branches sum;
     for (std::size_t t = d.donor_tree[donor]; t < d.donor_tree[donor + 1]; t++)
       if (d.neurite[t] != 2) add_branches(d, t, sum);
-    order += sum.order / sum.count / static_cast<double>(want.donors);
-    length += sum.length / sum.count / static_cast<double>(want.donors);
+    order += sum.order / sum.count / static_cast<double>(figures.donors);
+    length += sum.length / sum.count / static_cast<double>(figures.donors);
     CHECK(d.soma[donor] > 3.0 && d.soma[donor] < 14.0);
   }
   for (std::size_t a = d.entry_angle[e]; a < d.entry_angle[e + 1]; a++)
     angle += d.angle[a] * 57.29577951308232;
   angle /= static_cast<double>(d.entry_angle[e + 1] - d.entry_angle[e]);
-  CHECK_NEAR(order, want.order, want.order_tolerance);
-  CHECK_NEAR(length, want.length_um, want.length_tolerance_um);
-  CHECK_NEAR(angle, want.angle_degree, want.angle_tolerance_degree);
+  CHECK_NEAR(order, figures.order, tolerance.order);
+  CHECK_NEAR(length, figures.length_um, tolerance.length_um);
+  CHECK_NEAR(angle, figures.angle_degree, tolerance.angle_degree);
   CHECK(e == 9 ? d.straightness[e] == 0.68 : d.straightness[e] > 0.85 && d.straightness[e] < 0.93);
 }
 
@@ -221,9 +251,11 @@ int main() {
   }
   try {
     const Loaded d = load(doc);
+    std::map<std::string, Figures> figures = read_figures();
+    CHECK_EQUAL(figures.size(), sizeof expected / sizeof *expected);
     CHECK_EQUAL(d.entry.size(), sizeof expected / sizeof *expected);
     for (std::size_t e = 0; e < d.entry.size() && e < sizeof expected / sizeof *expected; e++)
-      check_entry(d, e);
+      check_entry(d, e, figures[expected[e].entry]);
     check_bars(d);
     check_frames(d);
     check_sources(d, doc);

@@ -81,6 +81,7 @@ inline std::string folder() {
 
 // The whole file; ends the program as skipped where it is absent.
 inline Json load() {
+  if (check_failed_) exit(check_done()); // what failed before is not to be called skipped
   if (!check_shared()) SKIP("CONCEG_SHARED is not set: no golden figures");
   std::ifstream in(folder() + "goldens.json");
   if (!in) SKIP("no goldens/morphology/goldens.json in CONCEG_SHARED");

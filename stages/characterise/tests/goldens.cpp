@@ -3,8 +3,8 @@
 // (CONCEG_SHARED/goldens).
 #include "golden.hpp"
 
-#include "barcode.hpp"
 #include "sections.hpp"
+#include "tests/trees.hpp"
 
 #include <algorithm>
 #include <array>
@@ -16,25 +16,6 @@ using golden::Json;
 namespace {
 
 using Barcode = std::vector<std::array<double, 2>>; // {death, birth}
-
-// One tree per root, whatever its types.
-std::vector<Tree> whole_trees(const conceg_swc *swc) {
-  std::vector<Tree> trees;
-  const double *position = conceg_swc_position(swc);
-  std::int64_t first = 0;
-  for (std::uint64_t i = 0; i < conceg_swc_count(swc); i++) {
-    const std::int64_t up = conceg_swc_parent(swc)[i];
-    if (up < 0) {
-      first = static_cast<std::int64_t>(i);
-      trees.emplace_back();
-      trees.back().neurite = conceg_swc_kind(swc)[i];
-    }
-    trees.back().position.emplace_back(position[3 * i], position[3 * i + 1], position[3 * i + 2]);
-    trees.back().radius.push_back(conceg_swc_radius(swc)[i]);
-    trees.back().parent.push_back(up < 0 ? -1 : up - first);
-  }
-  return trees;
-}
 
 void check_barcodes(const std::vector<Tree> &trees, const Json &figures) {
   std::vector<Barcode> ours, theirs;
