@@ -65,8 +65,10 @@ void write_dictionary(conceg_doc *doc, const Dictionary &d) {
 void write_measures(conceg_doc *doc, const Measures &measures, const Table &summary,
                     const std::string &folder) {
   if (!folder.empty()) make_folder(folder);
-  for (const Table *table : {&summary, &measures.sections(), &measures.cells(), &measures.sholl()}) {
-    if (!table->rows()) continue;
+  std::vector<const Table *> tables{&summary};
+  if (measures.cells().rows()) // none of cells that are made of barcodes
+    tables.insert(tables.end(), {&measures.sections(), &measures.cells(), &measures.sholl()});
+  for (const Table *table : tables) {
     write_table(doc, *table);
     if (folder.empty()) continue;
     OutputFile file(folder + "/" + table->name + ".csv");
