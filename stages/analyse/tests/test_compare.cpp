@@ -230,8 +230,8 @@ void planted_differences() {
   const Result crooked = compare([](conceg_doc *doc) {
     put_faithful(doc);
     std::vector<glm::dvec3> p = positions(doc);
-    for (const std::size_t cell :
-         {std::size_t{0}, std::size_t{6}}) { // turns of a right angle; as long as before
+    // Turns of a right angle; as long as before.
+    for (const std::size_t cell : {std::size_t{0}, std::size_t{6}}) {
       p[cell + 3] = p[cell + 2] + glm::dvec3(2, -2, 0);
       p[cell + 5] = p[cell + 4] + glm::dvec3(2, 2, 1);
     }
@@ -246,8 +246,9 @@ void planted_differences() {
       put(doc, "/dictionary/entry_straightness", std::vector<double>{straightness, 0.68});
     };
   };
-  CHECK_TEXT(compare(against(0.967)).within(type, "straightness"), "no");
-  CHECK_TEXT(compare(against(0.978)).within(type, "straightness"), "unsure");
+  const Result far = compare(against(0.967)), near = compare(against(0.978));
+  CHECK_TEXT(far.within(type, "straightness"), "no");
+  CHECK_TEXT(near.within(type, "straightness"), "unsure");
 }
 
 // A cell of which nothing grew counts: with its bars, with a cable of 0, not with branches.
