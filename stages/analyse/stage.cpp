@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The analyse stage: tables that say what is in the tissue.
+#include "compare_input.hpp"
+#include "compare_report.hpp"
 #include "tables.hpp"
 
 #include "conceg/stage.h"
@@ -88,6 +90,54 @@ Bars read_bars(conceg_doc *doc, const Cells &cells) {
   return b;
 }
 
+BarLinks read_links(conceg_doc *doc, const Bars &bars) {
+  BarLinks links;
+  links.parent = values<std::int64_t>(doc, "/bars/parent");
+  links.neurite = values<std::uint8_t>(doc, "/bars/neurite"),
+  links.angle = values<double>(doc, "/bars/angle");
+  check(links, bars);
+  return links;
+}
+
+// A type is compared with its entry; types without one are named.
+std::vector<std::string> read_type_entries(conceg_ctx *ctx, conceg_doc *doc, const Cells &cells,
+                                           const std::vector<Entry> &entries) {
+  std::vector<std::string> names = has(doc, "/types/entry")
+                                       ? texts(doc, "/types/entry")
+                                       : std::vector<std::string>(cells.type_name.size());
+  if (names.size() != cells.type_name.size())
+    fail(CONCEG_E_FORMAT, "/types/entry: expected %zu values, got %zu", cells.type_name.size(), names.size());
+  for (std::size_t type = 0; type < names.size(); type++)
+    if (std::none_of(entries.begin(), entries.end(), [&](const Entry &e) { return e.name == names[type]; }))
+      conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
+                     "analyse: compare: cells of type %s are left out: no entry \"%s\"",
+                     cells.type_name[type].c_str(), names[type].c_str());
+  return names;
+}
+
+void compare_document(conceg_ctx *ctx, conceg_doc *doc, const Cells &cells, Workers &workers) {
+  CompareInput input;
+  input.entries = read_entries(doc);
+  if (!has(doc, "/skeleton/position"))
+    fail(CONCEG_E_MISSING, "compare: the document has no /skeleton; give one with grown cells");
+  input.type_name = cells.type_name, input.type = cells.type;
+  input.type_entry = read_type_entries(ctx, doc, cells, input.entries);
+  input.grown = grown_shapes(cells, read_skeletons(doc, cells), workers, progress_of(ctx));
+  std::vector<BarsRow> bars;
+  if (has(doc, "/bars/achieved_end")) {
+    must(conceg_doc_validate(doc, "/bars", nullptr, nullptr));
+    const Bars asked = read_bars(doc, cells);
+    const BarLinks links = read_links(doc, asked);
+    input.drawn = drawn_shapes(asked, links);
+    bars = compare_bars(input, asked, links.parent);
+  }
+  const std::vector<ComparisonRow> rows = compare(input);
+  for (const Table &table : {comparison_table(input, rows), comparison_bars_table(bars)})
+    if (table.rows()) write_table(doc, table);
+  for (const std::string &line : comparison_lines(input, rows, bars))
+    conceg_ctx_log(ctx, CONCEG_LOG_RESULT, "%s", line.c_str());
+}
+
 void log_table(conceg_ctx *ctx, const Table &table) {
   conceg_ctx_log(ctx, CONCEG_LOG_INFO, "--- %s", table.name.c_str());
   for (const std::string &line : table.lines())
@@ -146,7 +196,6 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
     measures.bars = count_bars(read_bars(doc, cells));
   else
     leave_out("/bars", "asked and achieved bars");
-  workers.count(ctx, "analyse.items");
 
   must(conceg_doc_drop(doc, "/statistics"));
   for (const Table &table :
@@ -157,6 +206,8 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
     write_table(doc, table);
     if (table.name != "cell" && table.name != "type") log_table(ctx, table);
   }
+  if (conceg_params_bool(params, "compare")) compare_document(ctx, doc, cells, workers);
+  workers.count(ctx, "analyse.items");
   const double difference = largest_difference(measures),
                allowed = conceg_params_f64(params, "icvf_tolerance");
   if (difference > allowed)
@@ -183,6 +234,8 @@ const conceg_param parameters[] = {
      nullptr, CONCEG_PARAM_F64, 0, 0, 10},
     {"icvf_tolerance", "1", "difference of the three volume fractions that is not warned about", "0.005",
      nullptr, CONCEG_PARAM_F64, 0, 0, 1},
+    {"compare", "", "hold the grown cells against what they were asked for and against the dictionary",
+     "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};
 const char *const reads[] = {"domain", "types", "cells", nullptr};
 const char *const writes[] = {"statistics", nullptr};

@@ -131,13 +131,14 @@ std::vector<std::string> Summary::lines() const {
                  written("%.2f +- %.2f", f.straightness), written("%.2f +- %.2f", f.tip_straightness),
                  written("%.0f +- %.0f", f.angle),
                  written("%.2f +- %.2f", {f.cable.count, 1e-3 * f.cable.mean, 1e-3 * f.cable.sd})}));
-    const Published *paper = find_published(entry.name);
-    if (!paper) continue;
-    out.push_back(line_of("  paper", std::to_string(paper->cells),
-                          {written("%.2f +- %.2f", paper->order, paper->order_sd),
-                           written("%.1f +- %.1f", paper->length_um, paper->length_sd_um),
-                           written("%.2f +- %.2f", paper->straightness, paper->straightness_sd), "-",
-                           written("%.0f +- %.0f", paper->angle_degree, paper->angle_sd_degree)}));
+    const Published *published_entry = find_published(entry.name);
+    if (!published_entry) continue;
+    const PublishedRow &paper = published_entry->real;
+    out.push_back(line_of("  paper", std::to_string(paper.cells),
+                          {written("%.2f +- %.2f", paper.order, paper.order_sd),
+                           written("%.1f +- %.1f", paper.length_um, paper.length_sd_um),
+                           written("%.2f +- %.2f", paper.straightness, paper.straightness_sd), "-",
+                           written("%.0f +- %.0f", paper.angle_degree, paper.angle_sd_degree)}));
     bool far = false;
     const auto apart = [&](const MeanSd &ours, double theirs, double sd) {
       if (!ours.count) return std::string("-");
@@ -146,13 +147,14 @@ std::vector<std::string> Summary::lines() const {
       return written(std::abs(z) > 1.0 ? "(!) %+.1f sd" : "%+.1f sd", z, 0.0);
     };
     out.push_back(line_of("  difference", "",
-                          {apart(f.order, paper->order, paper->order_sd),
-                           apart(f.length, paper->length_um, paper->length_sd_um),
-                           apart(f.straightness, paper->straightness, paper->straightness_sd), "-",
-                           apart(f.angle, paper->angle_degree, paper->angle_sd_degree)}));
+                          {apart(f.order, paper.order, paper.order_sd),
+                           apart(f.length, paper.length_um, paper.length_sd_um),
+                           apart(f.straightness, paper.straightness, paper.straightness_sd), "-",
+                           apart(f.angle, paper.angle_degree, paper.angle_sd_degree)}));
     if (far)
       out.push_back("  (!) more than 1 sd from the paper; in the default dictionary: " +
-                    std::string(paper->explained ? paper->explained : "no difference of this kind"));
+                    std::string(published_entry->explained ? published_entry->explained
+                                                           : "no difference of this kind"));
   }
   out.emplace_back("Order counts from 1 at the root branch (NeuroM's from 0: one less). Order, branch and "
                    "angle: mean and sd of "
