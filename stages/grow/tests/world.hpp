@@ -186,11 +186,12 @@ inline double deepest_overlap(const World &world, const conceg::grow::Skeleton &
   };
   std::vector<Piece> pieces;
   for (std::uint32_t c = 0; c < world.cell_id.size(); c++) {
-    pieces.push_back({{world.soma[3 * c], world.soma[3 * c + 1], world.soma[3 * c + 2]},
-                      glm::dvec3(0.0),
-                      world.soma_radius[c],
-                      c,
-                      true});
+    if (world.soma_radius[c] > 0.0f)
+      pieces.push_back({{world.soma[3 * c], world.soma[3 * c + 1], world.soma[3 * c + 2]},
+                        glm::dvec3(0.0),
+                        world.soma_radius[c],
+                        c,
+                        true});
     for (std::size_t i = skeleton.cell_offset[c]; i < skeleton.cell_offset[c + 1]; i++) {
       if (skeleton.parent[i] < 0) continue;
       const std::size_t p = skeleton.cell_offset[c] + static_cast<std::size_t>(skeleton.parent[i]);
