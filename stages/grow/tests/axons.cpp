@@ -122,9 +122,51 @@ void shared_start() {
   CHECK_NEAR(deepest_overlap(world, s), 0.0, 0.0);
 }
 
+// Cells with a soma grow first, as if there were no axons; those fill what room is left, and cross nothing.
+void cells_come_first() {
+  World alone;
+  alone.make_box(24, true);
+  for (int c = 0; c < 2; c++) {
+    alone.add_cell({6.0 + 12.0 * c, 12, 12}, 2.5);
+    alone.add_random_trees(10, 10, 100, 0.8, 90 + static_cast<unsigned>(c));
+  }
+  World both = alone;
+  add_axons(both, 1.0);
+  alone.make_network(0.8, 0.2, 1.0), both.make_network(0.8, 0.2, 1.0);
+  const Grown without = grow_world(alone), with = grow_world(both), again = grow_world(both, {}, 3);
+  const std::size_t points = without.skeleton.position.size();
+  CHECK_EQUAL(with.skeleton.cell_offset[2], points);
+  CHECK(std::equal(without.skeleton.position.begin(), without.skeleton.position.end(),
+                   with.skeleton.position.begin()));
+  const FreeCable cable = measure_free_cable(with.state, with.bars);
+  printf("beside cells: asked %.4f um per um3, grown %.4f; %llu short, %llu lost\n",
+         cable.asked_um / (24.0 * 24.0 * 24.0), cable.grown_um / (24.0 * 24.0 * 24.0),
+         static_cast<unsigned long long>(cable.cut_short), static_cast<unsigned long long>(cable.lost));
+  CHECK(cable.grown_um > 0.5 * cable.asked_um && cable.grown_um < cable.asked_um);
+  CHECK_NEAR(deepest_overlap(both, with.skeleton), 0.0, 0.0);
+  CHECK(same_bytes(with.skeleton.position, again.skeleton.position));
+  CHECK(same_bytes(with.bars.state, again.bars.state));
+}
+
+// In a small box with many axons a round offers steps of some of them alone, so that few are put off.
+void crowded_rounds() {
+  World world;
+  world.make_box(20, true);
+  add_axons(world, 1.0);
+  world.make_network(0.8, 0.2, 1.0);
+  const Grown grown = grow_world(world);
+  printf("%llu steps in %llu rounds, %llu deferred\n", static_cast<unsigned long long>(grown.summary.steps),
+         static_cast<unsigned long long>(grown.summary.rounds),
+         static_cast<unsigned long long>(grown.summary.deferred));
+  CHECK(grown.summary.deferred < grown.summary.steps);
+  CHECK(grown.summary.steps <= 16 * grown.summary.rounds);
+}
+
 } // namespace
 
 int main() {
+  cells_come_first();
+  crowded_rounds();
   empty_box();
   no_start();
   shared_start();

@@ -105,6 +105,7 @@ struct World {
     node_radius.assign(nodes, 2.0f);
     for (std::uint32_t i = 0; i < nodes; i++)
       for (std::size_t c = 0; c < cell_id.size(); c++) {
+        if (!(soma_radius[c] > 0.0f)) continue;
         double square = 0.0;
         for (int a = 0; a < 3; a++) {
           const double d = conceg_box_nearest(&box, a, node[3 * i + a] - soma[3 * c + a]);
