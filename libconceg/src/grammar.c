@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * The grammar of a recipe (spec/cli.md, rules R1 to R12): known keys, their forms and ranges, canonical
+ * The grammar of a recipe (spec/cli.md, rules R1 to R13): known keys, their forms and ranges, canonical
  * order. */
 #include "recipe.h"
 
@@ -15,6 +15,7 @@ enum form {
   FORM_POSITIVE,
   FORM_NONNEGATIVE,
   FORM_VECTOR3,
+  FORM_DIRECTION, /* not zero */
   FORM_POSITIVE3,
   FORM_BOOL3,
   FORM_RANGE, /* [lo, hi], lo < hi */
@@ -35,7 +36,7 @@ struct field {
 
 static const struct field domain_fields[] = {
     {"size_um", FORM_POSITIVE3, 0, NULL}, {"lo_um", FORM_VECTOR3, 0, NULL}, {"hi_um", FORM_VECTOR3, 0, NULL},
-    {"periodic", FORM_BOOL3, 0, NULL},    {"pia", FORM_VECTOR3, 0, NULL},   {NULL, FORM_TEXT, 0, NULL}};
+    {"periodic", FORM_BOOL3, 0, NULL},    {"pia", FORM_DIRECTION, 0, NULL}, {NULL, FORM_TEXT, 0, NULL}};
 
 static const struct field profile_fields[] = {
     {"z_um", FORM_NUMBER, 1, NULL}, {"per_um3", FORM_NONNEGATIVE, 1, NULL}, {NULL, FORM_TEXT, 0, NULL}};
@@ -45,6 +46,14 @@ static const struct field layer_fields[] = {{"name", FORM_TEXT, 1, NULL},
                                             {"density_per_um3", FORM_NONNEGATIVE, 0, NULL},
                                             {NULL, FORM_TEXT, 0, NULL}};
 
+static const struct field radius_fields[] = {{"mean", FORM_POSITIVE, 0, NULL},
+                                             {"sd", FORM_NONNEGATIVE, 0, NULL},
+                                             {"minimum", FORM_POSITIVE, 0, NULL},
+                                             {NULL, FORM_TEXT, 0, NULL}};
+
+static const struct field direction_fields[] = {
+    {"axis", FORM_DIRECTION, 1, NULL}, {"kappa", FORM_NONNEGATIVE, 1, NULL}, {NULL, FORM_TEXT, 0, NULL}};
+
 static const struct field type_fields[] = {{"name", FORM_TEXT, 1, NULL},
                                            {"class", FORM_CLASS, 1, NULL},
                                            {"entry", FORM_TEXT, 0, NULL},
@@ -52,6 +61,10 @@ static const struct field type_fields[] = {{"name", FORM_TEXT, 1, NULL},
                                            {"density_per_um3", FORM_NONNEGATIVE, 0, NULL},
                                            {"layer", FORM_TEXT, 0, NULL},
                                            {"radius_scale", FORM_POSITIVE, 0, NULL},
+                                           {"cable_density_per_um2", FORM_POSITIVE, 0, NULL},
+                                           {"length_um", FORM_POSITIVE, 0, NULL},
+                                           {"radius_um", FORM_MAP, 0, radius_fields},
+                                           {"direction", FORM_MAP, 0, direction_fields},
                                            {NULL, FORM_TEXT, 0, NULL}};
 
 static const struct field recipe_fields[] = {{"conceg", FORM_VERSION, 1, NULL},
@@ -206,6 +219,10 @@ static conceg_status check_form(conceg_ctx *ctx, conceg_node *node, const struct
   case FORM_VECTOR3:
     good = numbers_of(node, 3, v), expected = "three numbers [x, y, z]";
     break;
+  case FORM_DIRECTION:
+    good = numbers_of(node, 3, v) && (v[0] != 0 || v[1] != 0 || v[2] != 0);
+    expected = "a direction [x, y, z], not zero";
+    break;
   case FORM_POSITIVE3:
     good = numbers_of(node, 3, v) && v[0] > 0 && v[1] > 0 && v[2] > 0;
     expected = "three numbers above 0, [x, y, z]";
@@ -279,7 +296,7 @@ static conceg_status check_map(conceg_ctx *ctx, conceg_node *map, const struct f
 /* ---- Rules between keys ---- */
 
 static conceg_status check_domain(conceg_ctx *ctx, const conceg_node *domain) {
-  const conceg_node *size, *lo, *hi, *pia;
+  const conceg_node *size, *lo, *hi;
   double a[3], b[3];
   int axis;
   if (!domain) return CONCEG_OK;
@@ -290,9 +307,6 @@ static conceg_status check_domain(conceg_ctx *ctx, const conceg_node *domain) {
     for (axis = 0; axis < 3; axis++)
       if (!(a[axis] < b[axis]))
         return fail_node(ctx, CONCEG_E_PARAM, hi, "domain.hi_um: expected more than lo_um on each axis");
-  pia = node_find(domain, "pia");
-  if (pia && numbers_of(pia, 3, a) && a[0] == 0 && a[1] == 0 && a[2] == 0)
-    return fail_node(ctx, CONCEG_E_PARAM, pia, "domain.pia: expected a direction, got [0, 0, 0]");
   return CONCEG_OK;
 }
 
@@ -329,11 +343,36 @@ static conceg_status check_names(conceg_ctx *ctx, const conceg_node *list, const
   return CONCEG_OK;
 }
 
+/* A type of class axon without entry is passing axons, which have a density of cable where others have one of
+ * cells. */
+static conceg_status check_passing(conceg_ctx *ctx, const conceg_node *type, uint32_t index) {
+  static const char *const of_cells[] = {"fraction", "density_per_um3", "layer", "radius_scale", NULL};
+  static const char *const of_cable[] = {"cable_density_per_um2", "length_um", "radius_um", "direction",
+                                         NULL};
+  const int passing = !strcmp(node_find(type, "class")->text, "axon") && !node_find(type, "entry");
+  const char *const *wrong = passing ? of_cells : of_cable;
+  for (; *wrong; wrong++) {
+    const conceg_node *node = node_find(type, *wrong);
+    if (node && passing)
+      return fail_node(ctx, CONCEG_E_PARAM, node,
+                       "types[%u].%s: passing axons (class axon without entry) have none; give "
+                       "cable_density_per_um2, or an entry",
+                       index, *wrong);
+    if (node)
+      return fail_node(ctx, CONCEG_E_PARAM, node,
+                       "types[%u].%s: only passing axons have it, a type of class axon without entry", index,
+                       *wrong);
+  }
+  return CONCEG_OK;
+}
+
 static conceg_status check_types(conceg_ctx *ctx, const conceg_node *types, const conceg_node *layers) {
   uint32_t i, j;
   for (i = 0; i < conceg_node_count(types); i++) {
     const conceg_node *type = types->child[i], *layer = node_find(type, "layer");
+    const conceg_status status = check_passing(ctx, type, i);
     int found = layer == NULL;
+    if (status != CONCEG_OK) return status;
     if (node_find(type, "fraction") && node_find(type, "density_per_um3"))
       return fail_node(ctx, CONCEG_E_PARAM, type, "types[%u]: expected fraction or density_per_um3, got both",
                        i);

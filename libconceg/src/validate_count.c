@@ -31,7 +31,7 @@ static int is_choice(int64_t value, const struct value_test *test) {
   return found;
 }
 
-/* NONE_OK: -1 as it looks in this type; a type without sign has no such value. */
+/* `none`: -1, or all bits one in a type without sign. */
 #define DEFINE_COUNT(suffix, type, none)                                                                     \
   static uint64_t count_##suffix(const type *values, uint64_t count, const struct value_test *test) {        \
     uint64_t broken = 0;                                                                                     \
@@ -60,11 +60,11 @@ static int is_choice(int64_t value, const struct value_test *test) {
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wtype-limits" /* "not negative" is always true of types without sign */
 #endif
-DEFINE_COUNT(u8, uint8_t, 0)
+DEFINE_COUNT(u8, uint8_t, values[i] == UINT8_MAX)
 DEFINE_COUNT(i8, int8_t, values[i] == -1)
-DEFINE_COUNT(u32, uint32_t, 0)
+DEFINE_COUNT(u32, uint32_t, values[i] == UINT32_MAX)
 DEFINE_COUNT(i32, int32_t, values[i] == -1)
-DEFINE_COUNT(u64, uint64_t, 0)
+DEFINE_COUNT(u64, uint64_t, values[i] == UINT64_MAX)
 DEFINE_COUNT(i64, int64_t, values[i] == -1)
 
 /* Index and choice rules are for whole numbers alone. */

@@ -141,7 +141,7 @@ static void plan_index(struct values_check *check, const struct validator *valid
   if (!find_extent(validator, group, item->rule_extent, &limit)) return;
   const int or_none = (item->rules & RULE_INDEX_OR_NONE) != 0;
   snprintf(expected, sizeof expected, "an index below %s = %llu%s", item->rule_extent,
-           (unsigned long long)limit, or_none ? ", or -1" : "");
+           (unsigned long long)limit, or_none ? ", or none" : "");
   struct finding *finding =
       add_test(check, or_none ? "CGX-035" : "CGX-034", or_none ? VALUE_INDEX_OR_NONE : VALUE_INDEX, expected);
   finding->test.limit = limit;

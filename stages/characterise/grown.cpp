@@ -79,9 +79,10 @@ private:
     return {table.row(row)[0], table.row(row)[1], table.row(row)[2]};
   }
 
-  // The donor tells the entry; without donors the cell's type does.
+  // The donor tells the entry; without donors, or for a cell that has none, the cell's type does.
   void name(std::size_t row, GrownCell &out) const {
-    if (donor_.rows()) {
+    constexpr std::uint32_t none = 4294967295u;
+    if (donor_.rows() && donor_[row] != none) {
       const std::size_t donor = donor_[row];
       if (donor >= donor_id_.size())
         fail(CONCEG_E_FORMAT, "/cells/donor[%zu]: expected a row of the donors below %zu, got %zu", row,

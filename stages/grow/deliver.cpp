@@ -190,4 +190,20 @@ Measures measure(const State &state, const Skeleton &skeleton) {
   return measures;
 }
 
+FreeCable measure_free_cable(const State &state, const BarReport &report) {
+  FreeCable cable;
+  const Bars &bars = state.input.bars;
+  for (std::size_t cell = 0; cell < state.input.cells.count; cell++) {
+    if (state.input.cells.radius[cell] > 0.0f) continue;
+    cable.cells++;
+    for (std::uint64_t bar = bars.cell_offset[cell]; bar < bars.cell_offset[cell + 1]; bar++) {
+      cable.asked_um += bars.asked_end[bar] - bars.asked_start[bar];
+      cable.grown_um += report.achieved_end[bar] - report.achieved_start[bar];
+      cable.cut_short += report.state[bar] == bar_short;
+      cable.lost += report.state[bar] == bar_lost;
+    }
+  }
+  return cable;
+}
+
 } // namespace conceg::grow

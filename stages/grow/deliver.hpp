@@ -36,4 +36,11 @@ struct Measures {
 };
 Measures measure(const State &state, const Skeleton &skeleton);
 
+// What was asked of the cells without a soma, and what grew.
+struct FreeCable {
+  std::uint64_t cells = 0, cut_short = 0, lost = 0;
+  double asked_um = 0.0, grown_um = 0.0;
+};
+FreeCable measure_free_cable(const State &state, const BarReport &report);
+
 } // namespace conceg::grow

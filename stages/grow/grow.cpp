@@ -16,6 +16,7 @@ namespace conceg::grow {
 namespace {
 
 constexpr std::size_t least_tips = 16; // a round offers at least so many steps while there are as many tips
+constexpr double least_room_um3 = 1000.0; // box per step of a round: nearer ones would mostly be put off
 
 class Growth {
 public:
@@ -29,12 +30,18 @@ public:
   }
 
   Summary run(const Progress &progress) {
-    start_roots();
+    start_roots(true);
+    bool all_started = false; // cells without a soma fill what room the others leave
     double asked = 0.0;
     for (std::size_t bar = 0; bar < state_.input.bars.count; bar++)
       asked += state_.input.bars.asked_end[bar] - state_.input.bars.asked_start[bar];
     for (;;) {
       choose_tips();
+      if (tips_.empty() && !all_started) {
+        start_roots(false);
+        all_started = true;
+        choose_tips();
+      }
       if (tips_.empty()) break;
       if (summary_.rounds % 64 == 0)
         report(progress, "grow", static_cast<std::uint64_t>(grown_), static_cast<std::uint64_t>(asked));
@@ -47,10 +54,12 @@ public:
   }
 
 private:
-  void start_roots() {
+  // Roots of the cells with a soma, or of those without.
+  void start_roots(bool with_soma) {
     Edit edit;
     for (std::uint32_t bar = 0; bar < state_.projections.size(); bar++) {
       if (state_.projections[bar].parent != none) continue;
+      if ((state_.input.cells.radius[state_.projections[bar].cell] > 0.0f) != with_soma) continue;
       if (!propose_root(state_, bar, edit)) {
         state_.projections[bar].phase = Phase::lost;
         orphan_waiting(bar);
@@ -64,7 +73,8 @@ private:
     }
   }
 
-  // One tip of each working cell by its own rota; several when few cells work. Depends on the state only.
+  // One tip of each working cell by its own rota; several when few cells work, and not all cells when so many
+  // work that they would stand in each other's way. Depends on the state only.
   void choose_tips() {
     tips_.clear();
     std::size_t working = 0;
@@ -72,14 +82,21 @@ private:
       working += !tips.empty();
     if (working == 0) return;
     const std::size_t share = (least_tips + working - 1) / working;
-    for (std::size_t cell = 0; cell < tips_of_.size(); cell++) {
+    double room = 1.0 / least_room_um3;
+    for (int axis = 0; axis < 3; axis++)
+      room *= conceg_box_side(&state_.input.box, axis);
+    const std::size_t cells = std::min(working, std::max(static_cast<std::size_t>(room), least_tips));
+    for (std::size_t chosen = 0; chosen < cells; next_cell_ = (next_cell_ + 1) % tips_of_.size()) {
+      const std::size_t cell = next_cell_;
       const std::vector<std::uint32_t> &tips = tips_of_[cell];
       if (tips.empty()) continue;
+      chosen++;
       const std::size_t number = std::min(share, tips.size());
       for (std::size_t i = 0; i < number; i++)
         tips_.push_back(tips[(next_tip_[cell] + i) % tips.size()]);
       next_tip_[cell] = (next_tip_[cell] + number) % tips.size();
     }
+    if (cells == working) next_cell_ = 0;
   }
 
   void round() {
@@ -282,6 +299,7 @@ private:
   double grown_ = 0.0;
   std::vector<std::vector<std::uint32_t>> tips_of_; // by cell: bars that grow or start
   std::vector<std::size_t> next_tip_;
+  std::size_t next_cell_ = 0; // where the next round begins
   std::vector<std::vector<std::uint32_t>> orphans_;
   std::vector<std::uint32_t> tips_, written_, read_;
   std::vector<std::pair<std::uint64_t, std::size_t>> order_;

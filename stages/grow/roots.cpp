@@ -24,7 +24,8 @@ std::vector<Candidate> free_nodes(const State &state, const Projection &projecti
   std::vector<Candidate> found;
   const conceg_box &box = state.input.box;
   const glm::dvec3 soma = state.input.cells.at(projection.cell);
-  const double least = state.input.cells.radius[projection.cell] + least_stub_um;
+  const double soma_radius = state.input.cells.radius[projection.cell];
+  const double least = soma_radius > 0.0 ? soma_radius + least_stub_um : 0.0;
   for_grid_cells(state.space.grid, {aim - within, aim + within}, [&](std::size_t cell) {
     for (std::uint64_t i = state.space.node_offset[cell]; i < state.space.node_offset[cell + 1]; i++) {
       Candidate candidate;
@@ -52,18 +53,53 @@ std::vector<Candidate> free_nodes(const State &state, const Projection &projecti
   return found;
 }
 
+Vertex vertex_at(const Candidate &candidate) {
+  Vertex vertex;
+  vertex.position = candidate.position, vertex.node = candidate.node;
+  for (int a = 0; a < 3; a++)
+    vertex.lift[a] = candidate.lift[a];
+  return vertex;
+}
+
+// A bar of a cell without soma.
+bool propose_free_root(const State &state, std::uint32_t bar, Edit &edit) {
+  const Projection &projection = state.projections[bar];
+  const glm::dvec3 place = state.input.cells.at(projection.cell);
+  for (const double within : search_um) {
+    for (const Candidate &start : free_nodes(state, projection, place, within)) {
+      const Tip tip{start.position, start.node, {start.lift[0], start.lift[1], start.lift[2]}};
+      std::vector<Candidate> candidates;
+      find_candidates(state, projection, tip, target_radius(state, bar, 0.0), projection.attractor,
+                      candidates);
+      for (const Candidate &candidate : candidates) {
+        Vertex first = vertex_at(start), second = vertex_at(candidate);
+        second.path = glm::distance(first.position, second.position);
+        if (second.path >= state.input.bars.asked_end[bar]) continue;
+        const double radius = edge_radius(state, bar, first, candidate);
+        if (radius < state.parameters.r_min_um) continue;
+        first.radius = second.radius = static_cast<float>(radius);
+        edit.tail = {first, second};
+        edit.settled = 1;
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 } // namespace
 
 bool propose_root(const State &state, std::uint32_t bar, Edit &edit) {
+  edit.clear(bar);
+  edit.kind = Edit::Kind::start;
   const Projection &projection = state.projections[bar];
+  if (!(state.input.cells.radius[projection.cell] > 0.0f)) return propose_free_root(state, bar, edit);
   const glm::dvec3 soma = state.input.cells.at(projection.cell);
   const double soma_radius = state.input.cells.radius[projection.cell];
   const glm::dvec3 line = projection.attractor - soma;
   const double length = glm::length(line);
   const glm::dvec3 along = length > 0.0 ? line / length : glm::dvec3(0.0, 0.0, 1.0);
   const glm::dvec3 aim = soma + along * (soma_radius + first_node_um);
-  edit.clear(bar);
-  edit.kind = Edit::Kind::start;
   for (const double within : search_um) {
     for (const Candidate &candidate : free_nodes(state, projection, aim, within)) {
       const glm::dvec3 out = glm::normalize(candidate.position - soma);

@@ -111,6 +111,17 @@ void tell(conceg_ctx *ctx, const State &state, const Summary &summary, const Mea
                    static_cast<unsigned long long>(summary.lost), state.input.bars.count);
 }
 
+void tell_free_cable(conceg_ctx *ctx, const State &state, const FreeCable &cable) {
+  if (cable.cells == 0) return;
+  const double box = volume(state.input.box);
+  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                 "grow: %llu cells without soma (passing axons): %.4f um of cable per um3 asked, %.4f grown; "
+                 "%llu short, %llu found no free start",
+                 static_cast<unsigned long long>(cable.cells), cable.asked_um / box, cable.grown_um / box,
+                 static_cast<unsigned long long>(cable.cut_short),
+                 static_cast<unsigned long long>(cable.lost));
+}
+
 conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   return guard(ctx, "grow", [&] {
     State state;
@@ -122,6 +133,7 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
     const Skeleton skeleton = deliver_skeleton(state);
     const BarReport report = deliver_bars(state);
     tell(ctx, state, summary, measure(state, skeleton), seconds);
+    tell_free_cable(ctx, state, measure_free_cable(state, report));
     write_bars(doc, report);
     write_skeleton(doc, skeleton);
   });

@@ -142,10 +142,11 @@ std::vector<Demand> compose(const Box &box, const std::vector<Layer> &layers,
                             const std::vector<TypeShare> &types, double density, const Profile &profile) {
   check_layers(box, layers);
   for (std::size_t t = 0; t < types.size(); t++)
-    if (given(types[t].fraction) == given(types[t].density))
+    if (!types[t].passing && given(types[t].fraction) == given(types[t].density))
       fail(CONCEG_E_RANGE, "types[%zu] (%s): expected either fraction or density_per_um3", t,
            types[t].name.c_str());
   std::vector<Demand> demands;
+  if (std::all_of(types.begin(), types.end(), [](const TypeShare &t) { return t.passing; })) return demands;
   add_by_fraction(box, layers, types, density, profile, demands);
   add_by_own_density(box, layers, types, demands);
   round_by_largest_remainder(demands);

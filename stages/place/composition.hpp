@@ -31,7 +31,8 @@ struct TypeShare {
   std::string name;
   double fraction = kNotGiven;
   double density = kNotGiven;
-  int layer = -1; // -1 = every layer (fraction), or the whole box (own density)
+  int layer = -1;       // -1 = every layer (fraction), or the whole box (own density)
+  bool passing = false; // passing axons: no cells are counted
 };
 
 struct Box {
@@ -50,7 +51,7 @@ struct Demand {
 
 // Density x volume for every (layer, type), rounded to whole cells by the largest remainder, so that the
 // counts add up to the rounded total. `density` is that of the whole box; kNotGiven where the layers or the
-// profile give it.
+// profile give it. No demands where all types are passing axons.
 std::vector<Demand> compose(const Box &box, const std::vector<Layer> &layers,
                             const std::vector<TypeShare> &types, double density, const Profile &profile);
 

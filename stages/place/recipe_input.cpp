@@ -53,13 +53,25 @@ private:
     return value ? value : fallback;
   }
 
+  // A direction [x, y, z] as a unit vector; `fallback` where the key is absent.
+  glm::dvec3 unit(const conceg_node *node, const glm::dvec3 &fallback) const {
+    if (!node) return fallback;
+    glm::dvec3 direction;
+    for (std::uint32_t axis = 0; axis < 3; axis++)
+      direction[static_cast<int>(axis)] = number(conceg_node_at(node, axis), 0.0);
+    const double length =
+        std::sqrt(direction.x * direction.x + direction.y * direction.y + direction.z * direction.z);
+    if (!(length > 1e-100 && length < 1e100)) // the squares of others are lost
+      fail(CONCEG_E_RANGE, "recipe (line %u): expected a direction of a length near 1, got %g",
+           conceg_node_line(node), length);
+    return direction / length;
+  }
+
   void read_domain(RecipeInput &in) const {
     const conceg_node *domain = conceg_node_get(root_, "domain");
     if (!domain) fail(CONCEG_E_MISSING, "recipe: key domain is missing; give domain.size_um");
     const conceg_node *size = conceg_node_get(domain, "size_um"), *lo = conceg_node_get(domain, "lo_um");
     const conceg_node *hi = conceg_node_get(domain, "hi_um"), *periodic = conceg_node_get(domain, "periodic");
-    const conceg_node *pia = conceg_node_get(domain, "pia");
-    glm::dvec3 direction(0, 0, 1);
     for (std::uint32_t axis = 0; axis < 3; axis++) {
       const double from = number(conceg_node_at(lo, axis), 0.0);
       const double to =
@@ -74,14 +86,21 @@ private:
       int on = 1;
       if (periodic) must(conceg_node_bool(ctx_, conceg_node_at(periodic, axis), &on));
       in.box.periodic[axis] = on != 0;
-      if (pia) direction[static_cast<int>(axis)] = number(conceg_node_at(pia, axis), 0.0);
     }
-    const double length =
-        std::sqrt(direction.x * direction.x + direction.y * direction.y + direction.z * direction.z);
-    if (!(length > 0.0))
-      fail(CONCEG_E_RANGE, "domain.pia (line %u): expected a direction, got [0, 0, 0]",
-           conceg_node_line(pia));
-    in.pia = direction / length;
+    in.pia = unit(conceg_node_get(domain, "pia"), in.pia);
+  }
+
+  // The law of passing axons; what is not given is as in `defaults`.
+  AxonLaw axons(const conceg_node *type, const AxonLaw &defaults) const {
+    AxonLaw law = defaults;
+    law.cable_density = number(conceg_node_get(type, "cable_density_per_um2"), law.cable_density);
+    law.length = number(conceg_node_get(type, "length_um"), law.length);
+    law.radius.mean = number(conceg_node_get(type, "radius_um.mean"), law.radius.mean);
+    law.radius.sd = number(conceg_node_get(type, "radius_um.sd"), law.radius.sd);
+    law.radius.minimum = number(conceg_node_get(type, "radius_um.minimum"), law.radius.minimum);
+    law.direction.axis = unit(conceg_node_get(type, "direction.axis"), law.direction.axis);
+    law.direction.kappa = number(conceg_node_get(type, "direction.kappa"), law.direction.kappa);
+    return law;
   }
 
   TypeInput type(const conceg_node *node, const std::vector<Layer> &layers, std::uint32_t index) const {
@@ -93,6 +112,8 @@ private:
     out.layer = text(conceg_node_get(node, "layer"), "");
     out.entry = text(conceg_node_get(node, "entry"), "");
     out.radius_scale = number(conceg_node_get(node, "radius_scale"), 1.0);
+    out.share.passing = out.class_name == "axon" && out.entry.empty();
+    out.axons = axons(node, out.axons);
     for (std::size_t i = 0; i < layers.size(); i++)
       if (layers[i].name == out.layer) out.share.layer = static_cast<int>(i);
     if (out.share.layer < 0 && !out.layer.empty())

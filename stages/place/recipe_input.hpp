@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What place needs of a recipe, as plain values: box, densities, layers, types. Lengths in um.
+// What place needs of a recipe, as plain values: box, densities, layers, types, laws of passing axons.
+// Lengths in um.
 #pragma once
 
+#include "axons.hpp"
 #include "composition.hpp"
 #include "conceg/geom.h"
 #include "conceg/params.h"
@@ -17,6 +19,7 @@ struct TypeInput {
   TypeShare share;
   std::string class_name, layer, entry;
   double radius_scale = 1.0;
+  AxonLaw axons; // of passing axons (share.passing)
 };
 
 struct RecipeInput {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The place stage: descriptor, and glue between recipe, document and the algorithm files.
+#include "axons.hpp"
 #include "composition.hpp"
 #include "dictionary_io.hpp"
 #include "donors.hpp"
@@ -7,7 +8,10 @@
 #include "somas.hpp"
 
 #include "conceg/stage.h"
+#include "conceg/swc.h"
 #include "wrap.hpp"
+
+#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <cstring>
@@ -17,21 +21,27 @@ namespace {
 using namespace conceg;
 using namespace conceg::place;
 
-// The cells in ascending order of their ids.
-struct Cells {
-  std::vector<std::uint64_t> id;
-  std::vector<std::uint32_t> type, donor;
-  std::vector<glm::dquat> rotation;
-  std::vector<float> radius;
-  std::vector<std::size_t> demand;
+constexpr std::uint32_t kNoDonor = 4294967295u; // spec/schema.yaml, /cells/donor
+
+struct Cell {
+  std::uint64_t id;
+  std::uint32_t type, donor;
+  glm::dquat rotation;
+  double radius; // of the soma, 0 = none
+  std::size_t demand;
+  glm::dvec3 soma;
+  const Axon *axon; // of a passing axon, which has no donor
 };
 
-// Looks up the entries of the types and keeps only those of the dictionary.
+// Looks up the entries of the types and keeps only those of the dictionary. `entry_of_type` has no use for
+// passing axons.
 Dictionary dictionary_for(conceg_ctx *ctx, const RecipeInput &recipe,
                           std::vector<std::size_t> &entry_of_type) {
   const Dictionary whole = load_dictionary(ctx, recipe.dictionary);
   std::vector<std::size_t> kept;
+  entry_of_type.assign(recipe.types.size(), 0);
   for (std::size_t t = 0; t < recipe.types.size(); t++) {
+    if (recipe.types[t].share.passing) continue;
     const std::int64_t found = whole.find(recipe.types[t].entry);
     if (found < 0) {
       std::string names;
@@ -45,7 +55,7 @@ Dictionary dictionary_for(conceg_ctx *ctx, const RecipeInput &recipe,
       fail(CONCEG_E_RANGE, "types[%zu].entry: expected donors in dictionary entry %s, got none", t,
            recipe.types[t].entry.c_str());
     const auto known = std::find(kept.begin(), kept.end(), entry);
-    entry_of_type.push_back(static_cast<std::size_t>(known - kept.begin()));
+    entry_of_type[t] = static_cast<std::size_t>(known - kept.begin());
     if (known == kept.end()) kept.push_back(entry);
   }
   return subset(whole, kept);
@@ -53,36 +63,107 @@ Dictionary dictionary_for(conceg_ctx *ctx, const RecipeInput &recipe,
 
 // The k-th cell of type t has the id k * types + t: a changed count of one type leaves the other cells as
 // they were.
-Cells draw_cells(const std::vector<Demand> &demands, std::size_t types, const Dictionary &dictionary,
-                 const std::vector<Pool> &pool_of_type, const DonorOptions &options) {
+std::vector<Cell> draw_cells(const std::vector<Demand> &demands, std::size_t types,
+                             const Dictionary &dictionary, const std::vector<Pool> &pool_of_type,
+                             const DonorOptions &options) {
   std::vector<std::pair<std::uint64_t, std::size_t>> rows; // id, demand
   std::vector<std::uint64_t> made(types);
   for (std::size_t d = 0; d < demands.size(); d++)
     for (std::uint64_t i = 0; i < demands[d].count; i++)
       rows.emplace_back(made[demands[d].type]++ * types + demands[d].type, d);
   std::sort(rows.begin(), rows.end());
-  Cells cells;
+  std::vector<Cell> cells;
   for (const auto &[id, d] : rows) {
     const std::size_t type = demands[d].type, donor = draw_donor(pool_of_type[type], id, options.seed);
-    cells.id.push_back(id);
-    cells.type.push_back(static_cast<std::uint32_t>(type));
-    cells.donor.push_back(static_cast<std::uint32_t>(donor));
-    cells.rotation.push_back(draw_rotation(dictionary, donor, id, options));
-    cells.radius.push_back(static_cast<float>(dictionary.donor.soma_radius[donor]));
-    cells.demand.push_back(d);
+    const auto radius = static_cast<float>(dictionary.donor.soma_radius[donor]);
+    cells.push_back({id, static_cast<std::uint32_t>(type), static_cast<std::uint32_t>(donor),
+                     draw_rotation(dictionary, donor, id, options), static_cast<double>(radius), d,
+                     glm::dvec3(0.0), nullptr});
   }
   return cells;
 }
 
-std::vector<SomaRequest> requests_of(const Cells &cells, const std::vector<Demand> &demands,
-                                     const Profile &profile) {
+void place_cells(const RecipeInput &recipe, const std::vector<Demand> &demands, double gap_um,
+                 std::uint64_t seed, const Progress &progress, std::vector<Cell> &cells) {
   std::vector<SomaRequest> requests;
-  for (std::size_t i = 0; i < cells.id.size(); i++) {
-    const Demand &demand = demands[cells.demand[i]];
-    requests.push_back({cells.id[i], static_cast<double>(cells.radius[i]), demand.z_lo, demand.z_hi,
-                        demand.by_profile ? &profile : nullptr});
+  for (const Cell &cell : cells) {
+    const Demand &demand = demands[cell.demand];
+    requests.push_back(
+        {cell.id, cell.radius, demand.z_lo, demand.z_hi, demand.by_profile ? &recipe.profile : nullptr});
   }
-  return requests;
+  const std::vector<glm::dvec3> somas = place_somas(recipe.box, requests, gap_um, seed, progress);
+  for (std::size_t i = 0; i < cells.size(); i++)
+    cells[i].soma = somas[i];
+}
+
+void tell_axons(conceg_ctx *ctx, const RecipeInput &recipe, const TypeInput &type,
+                const std::vector<Axon> &axons) {
+  double cable = 0.0, radius = 0.0, along = 0.0;
+  for (const Axon &axon : axons) {
+    const double cosine = glm::dot(axon.direction, type.axons.direction.axis);
+    cable += axon.length, radius += axon.length * axon.radius, along += axon.length * cosine * cosine;
+  }
+  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                 "place: %s: %zu passing axons, %.3f mm, %.4f um of cable per um3; radius %.3f um, mean "
+                 "square cosine to the axis %.3f",
+                 type.share.name.c_str(), axons.size(), cable * 1e-3, cable / volume(recipe.box),
+                 cable > 0.0 ? radius / cable : 0.0, cable > 0.0 ? along / cable : 0.0);
+}
+
+void check_cable(const RecipeInput &recipe) {
+  double asked = 0.0;
+  for (const TypeInput &type : recipe.types)
+    if (type.share.passing) asked += type.axons.cable_density;
+  if (asked > kMostCable)
+    fail(CONCEG_E_RANGE,
+         "types: expected passing axons of at most %g um of cable per um3 in all, got %g, for which there is "
+         "no room beside cells; lower cable_density_per_um2",
+         kMostCable, asked);
+}
+
+// The passing axons of each type, outside the somas.
+std::vector<std::vector<Axon>> draw_all_axons(conceg_ctx *ctx, const RecipeInput &recipe,
+                                              const std::vector<Cell> &cells, std::uint64_t seed) {
+  Somas somas;
+  for (const Cell &cell : cells)
+    somas.center.push_back(cell.soma), somas.radius.push_back(cell.radius);
+  std::vector<std::vector<Axon>> axons(recipe.types.size());
+  for (std::size_t t = 0; t < recipe.types.size(); t++) {
+    const TypeInput &type = recipe.types[t];
+    if (!type.share.passing) continue;
+    const std::string name = "types[" + std::to_string(t) + "]";
+    axons[t] = draw_axons(recipe.box, type.axons, somas, t, recipe.types.size(), seed, name.c_str(),
+                          progress_of(ctx));
+    tell_axons(ctx, recipe, type, axons[t]);
+  }
+  return axons;
+}
+
+// Puts the axons among the cells, in the order of the ids.
+void add_axons(const std::vector<std::vector<Axon>> &axons, std::vector<Cell> &cells) {
+  for (std::size_t t = 0; t < axons.size(); t++)
+    for (const Axon &axon : axons[t])
+      cells.push_back({axon.id, static_cast<std::uint32_t>(t), kNoDonor, glm::dquat(1, 0, 0, 0), 0.0, 0,
+                       axon.start, &axon});
+  std::sort(cells.begin(), cells.end(), [](const Cell &a, const Cell &b) { return a.id < b.id; });
+}
+
+// Many donors have no axon that was traced to its ends: their cells have none either, which must not go
+// unseen.
+void tell_own_axons(conceg_ctx *ctx, const std::vector<Cell> &cells, const Bars &bars) {
+  std::size_t neurons = 0, with_axon = 0;
+  for (std::size_t i = 0; i < cells.size(); i++) {
+    if (cells[i].axon) continue;
+    neurons++;
+    const auto first = bars.neurite.begin() + static_cast<std::ptrdiff_t>(bars.cell_offset[i]),
+               last = bars.neurite.begin() + static_cast<std::ptrdiff_t>(bars.cell_offset[i + 1]);
+    with_axon += std::find(first, last, CONCEG_SWC_AXON) != last;
+  }
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_INFO,
+      "place.axons: %zu of %zu cells have an axon of their own; the donors of the others have none "
+      "in the dictionary",
+      with_axon, neurons);
 }
 
 void write_domain(conceg_doc *doc, const RecipeInput &recipe, const std::vector<Demand> &demands) {
@@ -117,7 +198,7 @@ void write_domain(conceg_doc *doc, const RecipeInput &recipe, const std::vector<
 }
 
 void write_types(conceg_doc *doc, const RecipeInput &recipe, const std::vector<Demand> &demands,
-                 const Cells &cells) {
+                 const std::vector<Cell> &cells) {
   const std::size_t types = recipe.types.size();
   std::vector<std::string> name, class_name, layer, entry;
   std::vector<double> fraction(types), radius_scale;
@@ -129,9 +210,11 @@ void write_types(conceg_doc *doc, const RecipeInput &recipe, const std::vector<D
     total += demand.expected;
   }
   for (double &share : fraction)
-    share /= total;
-  for (const std::uint32_t type : cells.type)
-    placed[type]++;
+    share = total > 0.0 ? share / total : 0.0;
+  for (const Cell &cell : cells) {
+    placed[cell.type]++;
+    if (cell.axon) asked[cell.type]++; // their number follows from the cable that was asked for
+  }
   for (const TypeInput &type : recipe.types) {
     name.push_back(type.share.name);
     class_name.push_back(type.class_name);
@@ -149,16 +232,24 @@ void write_types(conceg_doc *doc, const RecipeInput &recipe, const std::vector<D
   put(doc, "/types/placed", placed);
 }
 
-void write_cells(conceg_doc *doc, const Cells &cells, const std::vector<glm::dvec3> &somas) {
+void write_cells(conceg_doc *doc, const std::vector<Cell> &cells) {
+  std::vector<std::uint64_t> id;
+  std::vector<std::uint32_t> type, donor;
   std::vector<double> rotation;
-  for (const glm::dquat &q : cells.rotation)
+  std::vector<glm::dvec3> soma;
+  std::vector<float> radius;
+  for (const Cell &cell : cells) {
+    const glm::dquat &q = cell.rotation;
+    id.push_back(cell.id), type.push_back(cell.type), donor.push_back(cell.donor);
     rotation.insert(rotation.end(), {q.w, q.x, q.y, q.z});
-  put(doc, "/cells/id", cells.id);
-  put(doc, "/cells/type", cells.type);
-  put(doc, "/cells/donor", cells.donor);
+    soma.push_back(cell.soma), radius.push_back(static_cast<float>(cell.radius));
+  }
+  put(doc, "/cells/id", id);
+  put(doc, "/cells/type", type);
+  put(doc, "/cells/donor", donor);
   put(doc, "/cells/rotation", rotation, 4);
-  put3(doc, "/cells/soma", somas);
-  put(doc, "/cells/radius", cells.radius);
+  put3(doc, "/cells/soma", soma);
+  put(doc, "/cells/radius", radius);
 }
 
 void write_bars(conceg_doc *doc, const Bars &bars) {
@@ -180,25 +271,7 @@ void write_bars(conceg_doc *doc, const Bars &bars) {
   put(doc, "/bars/handed_to", std::vector<std::int64_t>(count, -1));
 }
 
-void place_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
-  const RecipeInput recipe = read_recipe(ctx, doc);
-  std::vector<std::size_t> entry_of_type;
-  Dictionary dictionary = dictionary_for(ctx, recipe, entry_of_type);
-  const std::int64_t fold = conceg_params_i64(params, "validation_fold");
-  for (const std::string &entry : hold_back(dictionary, fold))
-    conceg_ctx_log(
-        ctx, CONCEG_LOG_WARNING,
-        "place.validation_fold: dictionary entry %s has no donor of fold %lld, so none is held back",
-        entry.c_str(), static_cast<long long>(fold));
-  std::vector<Pool> pool_of_type;
-  for (const std::size_t entry : entry_of_type)
-    pool_of_type.push_back(pool_of(dictionary, entry));
-  std::vector<TypeShare> shares;
-  for (const TypeInput &type : recipe.types)
-    shares.push_back(type.share);
-  const glm::dvec3 size = side(recipe.box);
-  const std::vector<Demand> demands = compose({size.x * size.y, recipe.box.lo[2], recipe.box.hi[2]},
-                                              recipe.layers, shares, recipe.density, recipe.profile);
+DonorOptions read_options(conceg_ctx *ctx, const RecipeInput &recipe, const conceg_params *params) {
   DonorOptions options;
   options.pia = recipe.pia;
   options.axons = conceg_params_bool(params, "axons") != 0;
@@ -206,22 +279,69 @@ void place_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
   options.drawn_angles = std::strcmp(conceg_params_text(params, "angles"), "drawn") == 0;
   options.min_radius_um = conceg_params_f64(params, "min_radius_um");
   options.seed = conceg_ctx_seed(ctx);
-  const Cells cells = draw_cells(demands, recipe.types.size(), dictionary, pool_of_type, options);
-  const std::vector<glm::dvec3> somas =
-      place_somas(recipe.box, requests_of(cells, demands, recipe.profile),
-                  conceg_params_f64(params, "soma_gap_um"), options.seed, progress_of(ctx));
+  return options;
+}
+
+std::vector<Demand> count_cells(const RecipeInput &recipe) {
+  std::vector<TypeShare> shares;
+  for (const TypeInput &type : recipe.types)
+    shares.push_back(type.share);
+  const glm::dvec3 size = side(recipe.box);
+  return compose({size.x * size.y, recipe.box.lo[2], recipe.box.hi[2]}, recipe.layers, shares, recipe.density,
+                 recipe.profile);
+}
+
+// Marks the donors that are held back, and gives what each type may draw from: nothing for passing axons.
+std::vector<Pool> pools_for(conceg_ctx *ctx, const RecipeInput &recipe, std::int64_t fold,
+                            const std::vector<std::size_t> &entry_of_type, Dictionary &dictionary) {
+  for (const std::string &entry : hold_back(dictionary, fold))
+    conceg_ctx_log(
+        ctx, CONCEG_LOG_WARNING,
+        "place.validation_fold: dictionary entry %s has no donor of fold %lld, so none is held back",
+        entry.c_str(), static_cast<long long>(fold));
+  std::vector<Pool> pools;
+  for (std::size_t t = 0; t < recipe.types.size(); t++)
+    pools.push_back(recipe.types[t].share.passing ? Pool() : pool_of(dictionary, entry_of_type[t]));
+  return pools;
+}
+
+Bars ask_bars(conceg_ctx *ctx, const RecipeInput &recipe, const Dictionary &dictionary,
+              const std::vector<Pool> &pool_of_type, const std::vector<Cell> &cells,
+              const DonorOptions &options) {
   Bars bars;
-  for (std::size_t i = 0; i < cells.id.size(); i++) {
-    const std::uint32_t type = cells.type[i];
-    append_cell(dictionary, pool_of_type[type],
-                {cells.id[i], cells.donor[i], cells.rotation[i], somas[i], recipe.types[type].radius_scale},
-                options, bars);
-    must(conceg_ctx_progress(ctx, "barcodes", i + 1, cells.id.size()));
+  for (std::size_t i = 0; i < cells.size(); i++) {
+    const Cell &cell = cells[i];
+    if (cell.axon)
+      append_axon(*cell.axon, options.min_radius_um, bars);
+    else
+      append_cell(dictionary, pool_of_type[cell.type],
+                  {cell.id, cell.donor, cell.rotation, cell.soma, recipe.types[cell.type].radius_scale},
+                  options, bars);
+    must(conceg_ctx_progress(ctx, "barcodes", i + 1, cells.size()));
   }
+  return bars;
+}
+
+void place_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
+  const RecipeInput recipe = read_recipe(ctx, doc);
+  check_cable(recipe);
+  const DonorOptions options = read_options(ctx, recipe, params);
+  std::vector<std::size_t> entry_of_type;
+  Dictionary dictionary = dictionary_for(ctx, recipe, entry_of_type);
+  const std::vector<Pool> pools =
+      pools_for(ctx, recipe, conceg_params_i64(params, "validation_fold"), entry_of_type, dictionary);
+  const std::vector<Demand> demands = count_cells(recipe);
+  std::vector<Cell> cells = draw_cells(demands, recipe.types.size(), dictionary, pools, options);
+  place_cells(recipe, demands, conceg_params_f64(params, "soma_gap_um"), options.seed, progress_of(ctx),
+              cells);
+  const std::vector<std::vector<Axon>> axons = draw_all_axons(ctx, recipe, cells, options.seed);
+  add_axons(axons, cells);
+  const Bars bars = ask_bars(ctx, recipe, dictionary, pools, cells, options);
+  if (options.axons) tell_own_axons(ctx, cells, bars);
   write_domain(doc, recipe, demands);
   write_types(doc, recipe, demands, cells);
   write_dictionary(doc, dictionary);
-  write_cells(doc, cells, somas);
+  write_cells(doc, cells);
   write_bars(doc, bars);
 }
 

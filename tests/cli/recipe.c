@@ -11,7 +11,9 @@ static const char *const good = "conceg: 1 # comment\n"
                                 "  periodic: [true, true, false]\n"
                                 "  size_um: [40, 4e1, 40.0]\n"
                                 "types:\n"
-                                "- {class: other, name: x, fraction: 1}\n";
+                                "- {class: other, name: x, fraction: 1}\n"
+                                "- {radius_um: {sd: .1, mean: 0.4}, direction: {kappa: 2, axis: [1, 0, 0]},\n"
+                                "   name: y, class: axon, length_um: 50, cable_density_per_um2: 0.350}\n";
 
 static const conceg_param table[] = {{"lambda", "um^-1", "", "1.0", NULL, CONCEG_PARAM_F64, 0, 0, 10},
                                      {"steps", "", "", "5", NULL, CONCEG_PARAM_I64, 0, 1, 100},
@@ -55,17 +57,21 @@ static void check_canonical(conceg_ctx *ctx) {
   double number = 0;
   CHECK_EQUAL(conceg_recipe_parse(ctx, good, "r.yaml", &recipe), CONCEG_OK);
   /* Keys in canonical order, numbers with their own text, quotes only where they are needed. */
-  CHECK_TEXT(conceg_recipe_text(recipe), "conceg: 1\n"
-                                         "title: \"a: b, \xc3\xa9\"\n"
-                                         "domain:\n"
-                                         "  size_um: [40, 4e1, 40.0]\n"
-                                         "  periodic: [true, true, false]\n"
-                                         "types:\n"
-                                         "  - {name: x, class: other, fraction: 1}\n"
-                                         "grow:\n"
-                                         "  impl: barcode\n"
-                                         "  lambda: 2.50\n"
-                                         "  mode: first\n");
+  CHECK_TEXT(conceg_recipe_text(recipe),
+             "conceg: 1\n"
+             "title: \"a: b, \xc3\xa9\"\n"
+             "domain:\n"
+             "  size_um: [40, 4e1, 40.0]\n"
+             "  periodic: [true, true, false]\n"
+             "types:\n"
+             "  - {name: x, class: other, fraction: 1}\n"
+             "  - {name: y, class: axon, cable_density_per_um2: 0.350, length_um: "
+             "50, radius_um: {mean: 0.4, sd: .1}, direction: {axis: [1, 0, 0], "
+             "kappa: 2}}\n"
+             "grow:\n"
+             "  impl: barcode\n"
+             "  lambda: 2.50\n"
+             "  mode: first\n");
   CHECK_EQUAL(conceg_recipe_parse(ctx, conceg_recipe_text(recipe), "again", &again), CONCEG_OK);
   CHECK_TEXT(conceg_recipe_text(again), conceg_recipe_text(recipe));
   conceg_recipe_free(again);
@@ -110,6 +116,18 @@ static void check_grammar(conceg_ctx *ctx) {
          "r.yaml:2: keep[1]: no group is called netwrok; did you mean network?");
   refuse(ctx, "conceg: 1\ntypes: [{name: a, class: other, layer: 5}]\n", CONCEG_E_PARAM,
          "r.yaml:2: types[0].layer: no layer is named 5");
+  refuse(ctx, "conceg: 1\ntypes: [{name: a, class: axon, radius_um: {meen: 1}}]\n", CONCEG_E_PARAM,
+         "r.yaml:2: unknown key types[0].radius_um.meen; did you mean mean?");
+  refuse(ctx, "conceg: 1\ntypes: [{name: a, class: axon, direction: {axis: [0, 0, 0], kappa: 1}}]\n",
+         CONCEG_E_PARAM,
+         "r.yaml:2: types[0].direction.axis: expected a direction [x, y, z], not zero, got [0, 0, 0]");
+  refuse(ctx, "conceg: 1\ntypes: [{name: a, class: axon, direction: {axis: [0, 0, 1]}}]\n", CONCEG_E_PARAM,
+         "r.yaml:2: key kappa is missing");
+  refuse(ctx, "conceg: 1\ntypes: [{name: a, class: axon, fraction: 0.1}]\n", CONCEG_E_PARAM,
+         "r.yaml:2: types[0].fraction: passing axons (class axon without entry) have none; give "
+         "cable_density_per_um2, or an entry");
+  refuse(ctx, "conceg: 1\ntypes: [{name: a, class: axon, entry: b, length_um: 9}]\n", CONCEG_E_PARAM,
+         "r.yaml:2: types[0].length_um: only passing axons have it, a type of class axon without entry");
   refuse(ctx, "conceg: 1\ngrow: {lambda: [1]}\n", CONCEG_E_PARAM,
          "r.yaml:2: grow.lambda: expected one value, got [1]");
 }

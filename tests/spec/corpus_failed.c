@@ -145,10 +145,10 @@ static void make_values(struct maker *maker) {
        PUT("/cells/rotation", CONCEG_F64, double, 4, 1, 0, 0, 0, 0.6, 0.80001, 0, 0, 0, 0, 0, 1));
   FAIL("0340", "index", "034", CELLS, "a type that is not there",
        PUT("/cells/type", CONCEG_U32, uint32_t, 0, 0, 1, 2));
-  FAIL("0341", "donor", "034", CELLS | DICTIONARY, "a donor that is not there",
-       PUT("/cells/donor", CONCEG_U32, uint32_t, 0, 0, 1, 0));
   FAIL("0342", "edge", "034", BOX | NETWORK, "an edge to a node that is not there",
        PUT("/network/edge", CONCEG_U32, uint32_t, 0, 1, 2, 0, 3));
+  FAIL("0350", "donor", "035", CELLS | DICTIONARY, "a donor that is not there",
+       PUT("/cells/donor", CONCEG_U32, uint32_t, 0, 0, 1, UINT32_MAX));
   FAIL("0360", "choice", "036", BOX | TYPES | BARS, "a state that is not there",
        PUT("/bars/state", CONCEG_U8, uint8_t, 0, 1, 9, 2));
   FAIL("0361", "class", "036", CELLS, "a class that is not there",

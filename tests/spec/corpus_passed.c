@@ -117,9 +117,10 @@ void make_passed(struct maker *maker) {
   save(maker, "passed/0005-dictionary.cgx", DICTIONARY, "an entry of one donor, one tree, two bars");
   save(maker, "passed/0006-cells.cgx", BOX | TYPES, "three cells of two types, one without a soma");
   doc = corpus_doc(ctx, BOX | TYPES | DICTIONARY);
-  PUT("/cells/donor", CONCEG_U32, uint32_t, 0, 0, 0, 0);
-  corpus_save(maker, doc,
-              corpus_file(maker, "passed/0007-donors.cgx", "valid", "-", 0, "cells name their donors"));
+  PUT("/cells/donor", CONCEG_U32, uint32_t, 0, 0, 0, UINT32_MAX);
+  corpus_save(
+      maker, doc,
+      corpus_file(maker, "passed/0007-donors.cgx", "valid", "-", 0, "cells name their donors, one has none"));
   save(maker, "passed/0008-bars.cgx", BOX | TYPES | BARS, "bars of a cell: offsets, parents");
   save(maker, "passed/0009-network.cgx", BOX | NETWORK, "a network with an edge through the box");
   save(maker, "passed/0010-skeleton.cgx", BOX | TYPES | SKELETON,

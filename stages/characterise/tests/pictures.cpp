@@ -244,6 +244,10 @@ void check_reading(conceg_doc *doc) {
   put_grown(doc);
   put(doc, "/cells/donor", std::vector<std::uint32_t>{0, 1}); // there is one donor
   CHECK_EQUAL(status_of(doc), CONCEG_E_FORMAT);
+  put(doc, "/cells/donor", std::vector<std::uint32_t>{0, 4294967295u}); // none: the type tells the entry
+  const std::vector<GrownCell> one_without = grown_cells(doc, "grown.cgx");
+  CHECK_TEXT(one_without.at(1).entry.c_str(), entry_name.c_str());
+  CHECK_TEXT(one_without.at(1).donor.c_str(), "");
   put_grown(doc);
   put(doc, "/skeleton/cell_offset", std::vector<std::uint64_t>{0, 3, 7});
   CHECK_EQUAL(status_of(doc), CONCEG_E_FORMAT);

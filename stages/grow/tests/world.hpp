@@ -105,6 +105,7 @@ struct World {
     node_radius.assign(nodes, 2.0f);
     for (std::uint32_t i = 0; i < nodes; i++)
       for (std::size_t c = 0; c < cell_id.size(); c++) {
+        if (!(soma_radius[c] > 0.0f)) continue;
         double square = 0.0;
         for (int a = 0; a < 3; a++) {
           const double d = conceg_box_nearest(&box, a, node[3 * i + a] - soma[3 * c + a]);
@@ -186,11 +187,12 @@ inline double deepest_overlap(const World &world, const conceg::grow::Skeleton &
   };
   std::vector<Piece> pieces;
   for (std::uint32_t c = 0; c < world.cell_id.size(); c++) {
-    pieces.push_back({{world.soma[3 * c], world.soma[3 * c + 1], world.soma[3 * c + 2]},
-                      glm::dvec3(0.0),
-                      world.soma_radius[c],
-                      c,
-                      true});
+    if (world.soma_radius[c] > 0.0f)
+      pieces.push_back({{world.soma[3 * c], world.soma[3 * c + 1], world.soma[3 * c + 2]},
+                        glm::dvec3(0.0),
+                        world.soma_radius[c],
+                        c,
+                        true});
     for (std::size_t i = skeleton.cell_offset[c]; i < skeleton.cell_offset[c + 1]; i++) {
       if (skeleton.parent[i] < 0) continue;
       const std::size_t p = skeleton.cell_offset[c] + static_cast<std::size_t>(skeleton.parent[i]);
