@@ -41,6 +41,13 @@ Chosen of_type(const Cells &cells, std::size_t type) {
   return [&cells, type](std::size_t cell) { return cells.type[cell] == type; };
 }
 
+// Cable of cells that stand elsewhere: no cells of this box.
+Chosen passing_axons(const Cells &cells) {
+  return [&cells](std::size_t cell) {
+    return cells.type_class[cells.type[cell]] == "axon" && !(cells.soma_radius[cell] > 0);
+  };
+}
+
 // Sums over the chosen cells.
 struct Sums {
   std::uint64_t cells = 0;
@@ -140,9 +147,12 @@ Table summary_table(const Cells &cells, const Measures &m) {
     table.put("unit", std::string(unit));
   };
   const Sums sums = sum_of(cells, m, [](std::size_t) { return true; });
+  const auto axons = static_cast<double>(sum_of(cells, m, passing_axons(cells)).cells);
+  const double others = static_cast<double>(sums.cells) - axons;
   row("box_volume", m.box_volume, "um^3");
-  row("cells", static_cast<double>(sums.cells), "1");
-  row("cell_density", static_cast<double>(sums.cells) / m.box_volume, "um^-3");
+  row("cells", others, "1");
+  row("cell_density", others / m.box_volume, "um^-3");
+  if (axons > 0) row("passing_axons", axons, "1");
   if (!m.sizes.empty()) row("icvf_mesh", mesh_fraction(m), "1");
   if (m.field.voxels) row("icvf_field", m.field.soma + m.field.neurite, "1");
   if (m.points.points)

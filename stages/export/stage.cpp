@@ -103,14 +103,20 @@ private:
                        "export: SWC-plus files carry the document without %s; keep the .cgx file for these",
                        groups.c_str());
     }
+    std::size_t empty = 0;
     for (std::size_t i = 0; i < cells_.size(); i++) {
       report(progress_, "export: SWC", i, cells_.size());
       const Tree tree = tree_of(cells_[i]);
+      // A passing axon that found no free start: a file without samples is none.
+      if (tree.size() == 0 && !(cells_[i].soma_radius > 0.0)) {
+        empty++;
+        continue;
+      }
       Written row =
           about(cells_[i], "swc/" + cell_file_name(cells_[i].row, cells_[i].type_name) + ".swc", "skeleton");
       std::vector<std::string> footer;
       if (whole) footer = swcdoc::cell_lines(doc_, slices, cells_[i].row, digest);
-      if (whole && i == 0) {
+      if (whole && i == empty) { // this is the first file
         const std::vector<std::string> more = swcdoc::document_lines(doc_, slices, digest);
         footer.insert(footer.end(), more.begin(), more.end());
       }
@@ -119,6 +125,9 @@ private:
       row.points = tree.size();
       folder_.add(std::move(row));
     }
+    if (empty > 0)
+      conceg_ctx_log(ctx_, CONCEG_LOG_WARNING, "export: %zu cells without soma and skeleton have no SWC file",
+                     empty);
   }
 
   void export_skeletons() {

@@ -90,6 +90,19 @@ void without_meshes() {
   const Run bare = run(2, false, false, nothing);
   CHECK_EQUAL(bare.status, CONCEG_OK);
   CHECK_NEAR(bare.value("cells"), 3, 0);
+  CHECK(std::isnan(bare.value("passing_axons")));
+}
+
+// Class axon without a soma is no cell of the box; class axon with one, and others without, are.
+void passing_axons_are_no_cells() {
+  const Run axons = run(2, true, false, [](conceg_doc *doc) {
+    put_texts(doc, "/types/class", {"axon", "axon", "other"});
+    put(doc, "/cells/radius", std::vector<float>{0, 3, 0});
+  });
+  CHECK_EQUAL(axons.status, CONCEG_OK);
+  CHECK_NEAR(axons.value("cells"), 2, 0);
+  CHECK_NEAR(axons.value("passing_axons"), 1, 0);
+  CHECK_NEAR(axons.value("cell_density"), 2.0 / 8000, 1e-15);
 }
 
 void disagreement_is_warned_about() {
@@ -123,6 +136,7 @@ void planted_defects() {
 int main() {
   tables();
   without_meshes();
+  passing_axons_are_no_cells();
   disagreement_is_warned_about();
   planted_defects();
   return check_done();

@@ -32,7 +32,7 @@ static std::string contents(const std::string &path) {
 
 // Runs export with "key=value" settings on a fresh document that holds what was asked for.
 static conceg_status run(bool skeleton, bool meshes, const std::vector<std::string> &settings,
-                         std::string *error = nullptr) {
+                         std::string *error = nullptr, void (*change)(conceg_doc *) = nullptr) {
   conceg_ctx *ctx = conceg_ctx_new();
   conceg_doc *doc = nullptr;
   conceg_params *params = nullptr;
@@ -41,6 +41,7 @@ static conceg_status run(bool skeleton, bool meshes, const std::vector<std::stri
   testing::put_cells(doc);
   if (skeleton) testing::put_skeleton(doc);
   if (meshes) testing::put_meshes(doc, 2);
+  if (change) change(doc);
   std::vector<std::string> sets;
   for (const std::string &setting : settings)
     sets.push_back("export." + setting);
@@ -167,11 +168,29 @@ static void bad_input() {
     CHECK(entry.path().string().find(".part") == std::string::npos);
 }
 
+// A passing axon that found no start has neither soma nor samples, and no file; the document goes along in
+// the first file that there is.
+static void first_cell_empty() {
+  const std::string dir = dir_of("empty");
+  const auto change = [](conceg_doc *doc) {
+    put(doc, "/cells/radius", std::vector<float>{0, 3, 2});
+    put(doc, "/skeleton/cell_offset", std::vector<std::uint64_t>{0, 0, 12, 18});
+  };
+  CHECK_EQUAL(run(true, false, {"dir=" + dir}, nullptr, change), CONCEG_OK);
+  CHECK(!fs::exists(dir + "/swc/cell_0000_L23_pyramidal.swc"));
+  CHECK(fs::exists(dir + "/vtk/skeletons.vtp"));
+  const std::string first = contents(dir + "/swc/cell_0001_L4_interneuron.swc"),
+                    second = contents(dir + "/swc/cell_0002_astrocyte.swc");
+  CHECK(first.find("/types/class") != std::string::npos);
+  CHECK(!second.empty() && second.find("/types/class") == std::string::npos);
+}
+
 int main() {
   folder = (fs::temp_directory_path() / ("conceg_export_stage_" + std::to_string(getpid()))).string();
   fs::create_directories(folder);
   everything();
   swc();
+  first_cell_empty();
   wrapped_surfaces();
   bad_input();
   fs::remove_all(folder);
