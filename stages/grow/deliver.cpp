@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "deliver.hpp"
 
-#include "navigate.hpp"
+#include "calibre.hpp"
 
 #include <glm/geometric.hpp>
 

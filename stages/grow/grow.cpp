@@ -2,6 +2,7 @@
 #include "grow.hpp"
 
 #include "branch.hpp"
+#include "calibre.hpp"
 #include "collapse.hpp"
 #include "edit.hpp"
 #include "occupancy.hpp"
@@ -316,6 +317,8 @@ void make_projections(State &state) {
 
 Summary grow(State &state, unsigned threads, const Progress &progress) {
   make_projections(state);
+  for (std::uint32_t bar = 0; bar < state.projections.size(); bar++)
+    if (state.projections[bar].parent == none) draw_calibre(state, bar);
   make_space(state);
   return Growth(state, threads).run(progress);
 }

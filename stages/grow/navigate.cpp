@@ -87,20 +87,4 @@ glm::dvec3 chain_heading(const Projection &projection) {
   return length > 1e-6 ? line / length : glm::dvec3(0.0, 0.0, 1.0);
 }
 
-double target_radius(const State &state, std::uint32_t bar, double path) {
-  const Bars &bars = state.input.bars;
-  const double middle = 0.5 * (bars.asked_start[bar] + bars.asked_end[bar]);
-  const double law = std::max(bars.radius[bar] + bars.taper[bar] * (path - middle), bars.radius_floor[bar]);
-  return std::max(std::min(law, state.projections[bar].radius_limit), state.parameters.r_min_um);
-}
-
-double wanted_radius(const State &state, std::uint32_t bar, double path) {
-  return std::max(state.parameters.radius_fraction * target_radius(state, bar, path),
-                  state.parameters.r_min_um);
-}
-
-double wanted_radius(const State &state, std::uint32_t bar, double path_from, double path_to) {
-  return std::max(wanted_radius(state, bar, path_from), wanted_radius(state, bar, path_to));
-}
-
 } // namespace conceg::grow

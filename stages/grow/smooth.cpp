@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "smooth.hpp"
 
+#include "calibre.hpp"
 #include "edit.hpp"
-#include "navigate.hpp"
 #include "occupancy.hpp"
 
 #include <glm/geometric.hpp>
@@ -43,9 +43,13 @@ bool fits(const State &state, std::uint32_t bar, std::vector<Vertex> &line, std:
   const float radius_after = line[index + 1].radius;
   const double least = 0.95 * std::min(before.radius, radius_after);
   const double need = std::max(state.parameters.r_min_um, least);
-  const double want_before = wanted_radius(state, bar, line[index - 1].path, before.path);
-  const double want_after = wanted_radius(state, bar, before.path, line[index + 1].path);
   line[index].position = place;
+  // A varying calibre is taken where the vertex comes to stand; a taper hardly changes over the shift.
+  const double path = calibre_varies(state, bar)
+                          ? line[index - 1].path + glm::distance(line[index - 1].position, place)
+                          : before.path;
+  const double want_before = wanted_radius(state, bar, line[index - 1].path, path);
+  const double want_after = wanted_radius(state, bar, path, line[index + 1].path);
   const double first = clearance(state, segment_at(state, bar, line, index), want_before, need);
   const double second =
       first >= need ? clearance(state, segment_at(state, bar, line, index + 1), want_after, need) : -1.0;

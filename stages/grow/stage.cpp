@@ -3,6 +3,7 @@
 #include "conceg/stage.h"
 
 #include "deliver.hpp"
+#include "entries.hpp"
 #include "grow.hpp"
 #include "input.hpp"
 #include "view.hpp"
@@ -39,6 +40,8 @@ const conceg_param parameter_table[] = {
      nullptr, CONCEG_PARAM_F64, 0, 0.0, 1.0},
     {"occupancy", "", "what keeps cells apart: exact capsules, or the nodes' free radius alone (the paper)",
      "capsule", "capsule|nodes", CONCEG_PARAM_CHOICE, 0, 0.0, 0.0},
+    {"calibre", "", "radius along a bar: its taper times the entry's Gaussian process, or the taper alone",
+     "process", "process|taper", CONCEG_PARAM_CHOICE, 0, 0.0, 0.0},
     {"max_edge_um", "um", "longer edges of the network are no candidates", "2", nullptr, CONCEG_PARAM_F64, 0,
      0.5, 3.0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0.0, 0.0},
@@ -116,6 +119,7 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
     State state;
     state.parameters = read_parameters(params);
     state.input = read_input(doc, conceg_ctx_seed(ctx));
+    read_entries(doc, std::strcmp(conceg_params_text(params, "calibre"), "process") == 0, state.input);
     const auto before = std::chrono::steady_clock::now();
     const Summary summary = conceg::grow::grow(state, conceg_ctx_threads(ctx), progress_of(ctx));
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
