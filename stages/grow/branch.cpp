@@ -2,6 +2,7 @@
 #include "branch.hpp"
 
 #include "calibre.hpp"
+#include "course.hpp"
 #include "navigate.hpp"
 #include "occupancy.hpp"
 #include "smooth.hpp"
@@ -111,7 +112,7 @@ void propose_start(const State &state, std::uint32_t bar, Edit &edit) {
   for (const Candidate &candidate : candidates) {
     Candidate used = candidate;
     double radius = -1.0;
-    if (state.parameters.smoothing > 0.0 && state.parameters.occupancy == Occupancy::capsule &&
+    if (smoothing_of(state, bar) > 0.0 && state.parameters.occupancy == Occupancy::capsule &&
         candidate.cost < 1.0 - exact_cosine) {
       const double length = std::max(glm::distance(fork.position, candidate.position), shortest_first_um);
       used.position = fork.position + length * direction;

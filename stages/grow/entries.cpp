@@ -63,9 +63,26 @@ void give_laws(const Laws &laws, const std::vector<std::uint32_t> &entry, Input 
     }
 }
 
+void ask_straightness(conceg_doc *doc, const std::vector<std::uint32_t> &entry, Types &types) {
+  if (!has(doc, "/dictionary/entry_straightness")) return;
+  const View<double> straightness = view<double>(doc, "/dictionary/entry_straightness");
+  types.straightness.assign(entry.size(), 0.0);
+  for (std::size_t type = 0; type < entry.size(); type++) {
+    if (entry[type] == none) continue;
+    if (entry[type] >= straightness.rows())
+      fail(CONCEG_E_FORMAT, "/dictionary/entry_straightness: expected as many rows as in entry_name, got %zu",
+           straightness.rows());
+    const double asked = straightness[entry[type]];
+    // 0 = the entry has no branch that could be measured.
+    if (!(asked >= 0.0 && asked <= 1.0))
+      fail(CONCEG_E_RANGE, "/dictionary/entry_straightness[%u]: expected 0 to 1, got %g", entry[type], asked);
+    types.straightness[type] = asked;
+  }
+}
+
 } // namespace
 
-void read_entries(conceg_doc *doc, bool calibre, Input &input) {
+void read_entries(conceg_doc *doc, bool straightness, bool calibre, Input &input) {
   Types &types = input.types;
   types.name = texts(doc, "/types/name");
   const View<std::uint32_t> type = view<std::uint32_t>(doc, "/cells/type");
@@ -78,6 +95,7 @@ void read_entries(conceg_doc *doc, bool calibre, Input &input) {
            type[cell]);
   types.of_cell = type.data();
   const std::vector<std::uint32_t> entry = entries_of_types(doc, types.name.size());
+  if (straightness) ask_straightness(doc, entry, types);
   if (calibre) give_laws(read_laws(doc), entry, input);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the dictionary's entries ask of the types: the calibre of their bars.
+// What the dictionary's entries ask of the types: the straightness of their branches, the calibre of their
+// bars.
 #pragma once
 
 #include "state.hpp"
@@ -8,8 +9,8 @@ struct conceg_doc;
 
 namespace conceg::grow {
 
-// Fills the types' part of the input, and the bars' calibre where `calibre` is wanted. A document without a
-// dictionary, or whose dictionary lacks these tables, asks nothing.
-void read_entries(conceg_doc *doc, bool calibre, Input &input);
+// Fills the types' part of the input, with the straightness and the bars' calibre where they are wanted. A
+// document without a dictionary, or whose dictionary lacks these tables, asks nothing.
+void read_entries(conceg_doc *doc, bool straightness, bool calibre, Input &input);
 
 } // namespace conceg::grow

@@ -4,6 +4,7 @@
 #include "branch.hpp"
 #include "calibre.hpp"
 #include "collapse.hpp"
+#include "course.hpp"
 #include "edit.hpp"
 #include "occupancy.hpp"
 #include "roots.hpp"
@@ -20,7 +21,7 @@ constexpr std::size_t least_tips = 16; // a round offers at least so many steps 
 
 class Growth {
 public:
-  Growth(State &state, unsigned threads) : state_(state), team_(threads) {
+  Growth(State &state, unsigned threads) : state_(state), team_(threads), steering_(state) {
     summary_.steps_by_worker.assign(team_.size(), 0);
     written_.assign(state.space.grid.cells(), 0);
     read_.assign(state.space.grid.cells(), 0);
@@ -100,6 +101,7 @@ private:
     for (std::size_t i = 0; i < accepted_.size(); i++)
       follow(edits_[accepted_[i]], tip_before_[i], settled_before_[i]);
     tip_before_.clear(), settled_before_.clear();
+    steering_.steer();
   }
 
   // Deterministic reservations: in the order of a priority drawn for this round, a step is accepted when it
@@ -153,6 +155,7 @@ private:
       if (projection.chain.size() == 1) projection.phase = Phase::starting;
       return;
     case Edit::Kind::start_failed:
+      steering_.touch(projection.host);
       if (!postpone_fork(state_, edit.bar))
         end(edit.bar, Phase::lost);
       else
@@ -177,6 +180,7 @@ private:
 
   void fire_forks(std::uint32_t host, std::uint32_t settled_before) {
     for (const std::uint32_t bar : due_bars(state_, host, settled_before)) {
+      steering_.touch(host);
       if (open_fork(state_, bar))
         tips_of_[state_.projections[bar].cell].push_back(bar);
       else
@@ -210,6 +214,7 @@ private:
   void end(std::uint32_t bar, Phase phase) {
     leave_rota(bar);
     state_.projections[bar].phase = phase;
+    steering_.touch(bar);
     orphan_waiting(bar);
     retry_orphans(state_.projections[bar].cell);
   }
@@ -279,6 +284,7 @@ private:
 
   State &state_;
   Team team_;
+  Steering steering_;
   Summary summary_;
   double grown_ = 0.0;
   std::vector<std::vector<std::uint32_t>> tips_of_; // by cell: bars that grow or start

@@ -2,6 +2,7 @@
 #include "smooth.hpp"
 
 #include "calibre.hpp"
+#include "course.hpp"
 #include "edit.hpp"
 #include "occupancy.hpp"
 
@@ -71,17 +72,19 @@ std::vector<Vertex> open_line(const Projection &projection, std::uint32_t &offse
 }
 
 void settle(const State &state, std::uint32_t bar, std::vector<Vertex> &line, std::size_t index) {
-  const double strength = state.parameters.smoothing;
+  const double strength = smoothing_of(state, bar);
   if (!(strength > 0.0) || index == 0 || index + 1 >= line.size()) return;
   for (const double part : {strength, 0.5 * strength})
     if (fits(state, bar, line, index, smoothed_place(line, index, part))) return recount(line, index);
 }
 
-double settled_length(const State &state, const std::vector<Vertex> &line, std::size_t open) {
+double settled_length(const State &state, std::uint32_t bar, const std::vector<Vertex> &line,
+                      std::size_t open) {
+  const double strength = smoothing_of(state, bar);
   glm::dvec3 last = line[open - 1].position;
   double path = line[open - 1].path;
   for (std::size_t i = open; i < line.size(); i++) {
-    const glm::dvec3 place = smoothed_place(line, i, state.parameters.smoothing);
+    const glm::dvec3 place = smoothed_place(line, i, strength);
     path += glm::distance(last, place);
     last = place;
   }
@@ -102,7 +105,7 @@ bool cut_at(std::vector<Vertex> &line, std::size_t index, double end) {
 
 std::size_t settle_line(const State &state, std::uint32_t bar, std::vector<Vertex> &line, std::size_t open,
                         bool flush, double end, bool &finished) {
-  const std::size_t lag = state.parameters.smoothing > 0.0 && !flush ? smoothing_lag : 0;
+  const std::size_t lag = smoothing_of(state, bar) > 0.0 && !flush ? smoothing_lag : 0;
   finished = false;
   while (open + lag < line.size()) {
     settle(state, bar, line, open);

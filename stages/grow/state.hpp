@@ -72,6 +72,7 @@ struct Bars {
 struct Types {
   std::vector<std::string> name;
   const std::uint32_t *of_cell = nullptr; // null = one type
+  std::vector<double> straightness = {};  // asked of each type, 0 = nothing; empty = none is steered
 };
 struct Input {
   conceg_box box = {};
@@ -158,6 +159,7 @@ struct Projection {
   double start_path = 0.0;
   double radius_limit = 1e30; // parent's taper law at the fork
   Walk calibre;               // g / sd along the path
+  Walk wander[3];             // how it strays from its attractor
   glm::dvec3 attractor{0.0};
   glm::dvec3 fork_heading{0.0}; // direction of the host behind the fork
   std::uint32_t fork_nodes[2] = {none, none};
@@ -179,6 +181,7 @@ struct State {
   Space space;
   std::vector<Projection> projections;              // one per bar
   std::vector<std::vector<std::uint32_t>> children; // bars whose parent is this bar
+  std::vector<double> course; // of each type: above 0 smoother, below 0 wandering, in units of straightness
 };
 
 } // namespace conceg::grow

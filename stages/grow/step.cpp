@@ -4,6 +4,7 @@
 #include "branch.hpp"
 #include "calibre.hpp"
 #include "collapse.hpp"
+#include "course.hpp"
 #include "occupancy.hpp"
 #include "smooth.hpp"
 
@@ -60,7 +61,8 @@ void propose(const State &state, std::uint32_t bar, Edit &edit) {
   if (projection.phase == Phase::starting) return propose_start(state, bar, edit);
   const Vertex &last = projection.chain.back();
   const Tip tip{last.position, last.node, {last.lift[0], last.lift[1], last.lift[2]}};
-  const glm::dvec3 target = aim(state, projection, edit);
+  const glm::dvec3 target =
+      wandering_target(state, bar, last.position, last.path, aim(state, projection, edit));
   std::vector<Candidate> candidates;
   find_candidates(state, projection, tip, law_radius(state, bar, last.path), target, candidates);
   std::uint32_t offset = 0;
@@ -76,7 +78,7 @@ void propose(const State &state, std::uint32_t bar, Edit &edit) {
     line.push_back(next);
     const double end = state.input.bars.asked_end[bar];
     const std::size_t open = projection.settled - offset;
-    const bool flush = settled_length(state, line, open) >= end;
+    const bool flush = settled_length(state, bar, line, open) >= end;
     note_reads(state, projection, line, widest_wanted(state, bar, line.front().path, next.path), edit);
     const std::size_t settled = settle_line(state, bar, line, open, flush, end, edit.finished);
     edit_from_line(state, line, offset, static_cast<std::uint32_t>(settled) + offset, edit);

@@ -45,13 +45,16 @@ void threads() {
     CHECK(5 * steps > three.summary.steps);
 }
 
-void threads_with_a_calibre() {
+void threads_with_calibre_and_course() {
   World world = crowded(4);
   world.calibre.assign(world.tree.size(), {0.25, 4.0});
+  const Grown waves = grow_world(world, {}, 1);
+  world.straightness = 0.8;
   const Grown one = grow_world(world, {}, 1);
   CHECK(same(one, grow_world(world, {}, 2)));
   CHECK(same(one, grow_world(world, {}, 3)));
-  CHECK(!same(one, grow_world(crowded(4), {}, 1))); // the calibre is there
+  CHECK(!same(one, waves)); // the course is there, and so is the calibre
+  CHECK(!same(waves, grow_world(crowded(4), {}, 1)));
 }
 
 // One cell alone still gives every worker its share.
@@ -89,7 +92,7 @@ void team() {
 int main() {
   team();
   threads();
-  threads_with_a_calibre();
+  threads_with_calibre_and_course();
   one_cell();
   return check_done();
 }

@@ -157,6 +157,24 @@ void calibre() {
   });
 }
 
+// A type's straightness is what its entry asks, unless it is left free.
+void straightness() {
+  const World world = small_world();
+  const auto ask = [](double value) {
+    return [=](conceg_doc *doc) {
+      fill_dictionary(doc);
+      conceg::put(doc, "/dictionary/entry_straightness", std::vector<double>{0.9, value});
+    };
+  };
+  const Outcome steered = run(world, 1, nullptr, ask(0.8)), plain = run(world, 1, nullptr, fill_dictionary);
+  CHECK_EQUAL(steered.status, CONCEG_OK);
+  CHECK(steered.valid && steered.skeleton != plain.skeleton);
+  CHECK(steered.skeleton == run(world, 2, nullptr, ask(0.8)).skeleton);
+  CHECK(plain.skeleton == run(world, 1, nullptr, ask(0.0)).skeleton); // nothing was measured
+  CHECK(plain.skeleton == run(world, 1, nullptr, ask(0.8), "grow.straightness=free").skeleton);
+  breaks_with("/dictionary/entry_straightness[1]", CONCEG_E_RANGE, ask(1.5));
+}
+
 void parameters_out_of_range() {
   for (const char *set : {"grow.lambda_per_um=0", "grow.lambda_per_um=-1", "grow.f=-1", "grow.g0_um=0",
                           "grow.r_min_um=0", "grow.retries=-1", "grow.calibre=none"})
@@ -191,6 +209,7 @@ int main() {
     conceg::put(doc, "/cells/type", std::vector<std::uint32_t>{0, 7});
   });
   calibre();
+  straightness();
   parameters_out_of_range();
   return check_done();
 }

@@ -32,6 +32,7 @@ struct World {
   std::vector<std::uint8_t> neurite;
   std::vector<double> start, end, attractor, angle, radius, taper, floor;
   std::vector<conceg::grow::CalibreLaw> calibre; // per bar, or empty
+  double straightness = 0.0;                     // asked of all branches, 0 = free
 
   void make_box(double side, bool periodic) {
     for (int a = 0; a < 3; a++)
@@ -125,6 +126,7 @@ struct World {
                end.data(),  attractor.data(),  angle.data(), radius.data(), taper.data(),   floor.data(),
                {}};
     in.bars.calibre = calibre;
+    if (straightness > 0.0) in.types.straightness = {straightness};
     return in;
   }
 
