@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "branch.hpp"
 
+#include "calibre.hpp"
+#include "course.hpp"
 #include "navigate.hpp"
 #include "occupancy.hpp"
 #include "smooth.hpp"
@@ -86,7 +88,7 @@ void propose_start(const State &state, std::uint32_t bar, Edit &edit) {
   const Vertex &fork = projection.chain.front();
   edit.kind = Edit::Kind::start_failed;
   edit.keep = edit.settled = 1;
-  const double around = 2.0 * state.parameters.max_edge_um + wanted_radius(state, bar, fork.path);
+  const double around = 2.0 * state.parameters.max_edge_um + widest_wanted(state, bar, fork.path, fork.path);
   edit.reads.push_back({fork.position - around, fork.position + around});
 
   conceg_rng chance = projection.chance;
@@ -99,7 +101,7 @@ void propose_start(const State &state, std::uint32_t bar, Edit &edit) {
       continue;
     const std::int16_t *lift = projection.fork_lifts[i];
     const Tip tip{fork.position, projection.fork_nodes[i], {lift[0], lift[1], lift[2]}};
-    find_candidates(state, projection, tip, target_radius(state, bar, fork.path), projection.attractor,
+    find_candidates(state, projection, tip, law_radius(state, bar, fork.path), projection.attractor,
                     candidates);
   }
   for (Candidate &candidate : candidates)
@@ -110,7 +112,7 @@ void propose_start(const State &state, std::uint32_t bar, Edit &edit) {
   for (const Candidate &candidate : candidates) {
     Candidate used = candidate;
     double radius = -1.0;
-    if (state.parameters.smoothing > 0.0 && state.parameters.occupancy == Occupancy::capsule &&
+    if (smoothing_of(state, bar) > 0.0 && state.parameters.occupancy == Occupancy::capsule &&
         candidate.cost < 1.0 - exact_cosine) {
       const double length = std::max(glm::distance(fork.position, candidate.position), shortest_first_um);
       used.position = fork.position + length * direction;
@@ -189,7 +191,8 @@ bool open_fork(State &state, std::uint32_t bar) {
                                : to.position - from.position;
   projection.fork_heading = glm::normalize(ahead);
   projection.start_path = place.path;
-  projection.radius_limit = target_radius(state, projection.host, place.path);
+  projection.radius_limit = law_radius(state, projection.host, place.path);
+  draw_calibre(state, bar);
   projection.best_path = place.path;
   Vertex start = to;
   start.position = place.position, start.path = place.path, start.segment = none;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "deliver.hpp"
 
-#include "navigate.hpp"
+#include "calibre.hpp"
+#include "straightness.hpp"
 
 #include <glm/geometric.hpp>
 
@@ -163,25 +164,30 @@ Measures measure(const State &state, const Skeleton &skeleton) {
   const double sphere = 4.0 / 3.0 * 3.14159265358979323846;
   double sum = 0.0;
   std::uint64_t branches = 0;
+  measures.of_type.resize(std::max<std::size_t>(1, state.input.types.name.size()));
   for (std::size_t cell = 0; cell + 1 < skeleton.cell_offset.size(); cell++) {
     const double r = state.input.cells.radius[cell];
     measures.volume_committed_um3 += sphere * r * r * r, measures.volume_target_um3 += sphere * r * r * r;
     const std::size_t first = skeleton.cell_offset[cell], last = skeleton.cell_offset[cell + 1];
     std::size_t start = first; // point before the branch
     double path = 0.0;
+    ResampledPath line(glm::dvec3(0.0), resample_um);
+    Straightness &type = measures.of_type[state.input.types.of_cell ? state.input.types.of_cell[cell] : 0];
     for (std::size_t i = first; i < last; i++) {
       if (skeleton.parent[i] < 0) continue;
       const std::size_t parent = first + static_cast<std::size_t>(skeleton.parent[i]);
       const double length = glm::distance(skeleton.position[i], skeleton.position[parent]);
       if (skeleton.parent[parent] < 0 || skeleton.branch[parent] != skeleton.branch[i])
-        start = parent, path = 0.0;
+        start = parent, path = 0.0, line = ResampledPath(skeleton.position[start], resample_um);
+      line.add(skeleton.position[i]);
       path += length;
       measures.cable_um += length;
       measures.volume_committed_um3 += cone_volume(length, skeleton.radius[parent], skeleton.radius[i]);
       measures.volume_target_um3 +=
           cone_volume(length, skeleton.target_radius[parent], skeleton.target_radius[i]);
       const bool ends = i + 1 == last || skeleton.branch[i + 1] != skeleton.branch[i];
-      if (!ends || path < 2.0) continue;
+      if (!ends || path < shortest_branch_um) continue;
+      type.sum += line.straightness(), type.branches++;
       sum += glm::distance(skeleton.position[i], skeleton.position[start]) / path;
       branches++;
     }

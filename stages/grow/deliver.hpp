@@ -2,7 +2,7 @@
 // From grown projections to the skeleton's points and the bars' report.
 #pragma once
 
-#include "state.hpp"
+#include "course.hpp"
 
 namespace conceg::grow {
 
@@ -31,6 +31,7 @@ BarReport deliver_bars(const State &state);
 struct Measures {
   double cable_um = 0.0;
   double straightness = 0.0;         // mean over branches longer than 2 um, as delivered
+  std::vector<Straightness> of_type; // the same of each type, resampled at 1 um as the dictionary's is
   double volume_committed_um3 = 0.0; // somas and round cones at the committed radii
   double volume_target_um3 = 0.0;    // the same at the target radii
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "edit.hpp"
 
+#include "course.hpp"
 #include "occupancy.hpp"
 
 #include <algorithm>
@@ -82,6 +83,7 @@ void commit(State &state, Edit &edit) {
   Projection &projection = state.projections[edit.bar];
   Space &space = state.space;
   if (edit.arrived) projection.attractor = edit.attractor;
+  if (edit.kind == Edit::Kind::start) draw_wander(state, edit.bar);
   std::vector<Segment> removed;
   for (std::size_t i = std::max<std::size_t>(1, edit.keep); i < projection.chain.size(); i++) {
     if (stays(projection, edit, i)) continue;

@@ -2,7 +2,9 @@
 #include "grow.hpp"
 
 #include "branch.hpp"
+#include "calibre.hpp"
 #include "collapse.hpp"
+#include "course.hpp"
 #include "edit.hpp"
 #include "occupancy.hpp"
 #include "roots.hpp"
@@ -20,7 +22,7 @@ constexpr double least_room_um3 = 1000.0; // box per step of a round: nearer one
 
 class Growth {
 public:
-  Growth(State &state, unsigned threads) : state_(state), team_(threads) {
+  Growth(State &state, unsigned threads) : state_(state), team_(threads), steering_(state) {
     summary_.steps_by_worker.assign(team_.size(), 0);
     written_.assign(state.space.grid.cells(), 0);
     read_.assign(state.space.grid.cells(), 0);
@@ -116,6 +118,7 @@ private:
     for (std::size_t i = 0; i < accepted_.size(); i++)
       follow(edits_[accepted_[i]], tip_before_[i], settled_before_[i]);
     tip_before_.clear(), settled_before_.clear();
+    steering_.steer();
   }
 
   // Deterministic reservations: in the order of a priority drawn for this round, a step is accepted when it
@@ -169,6 +172,7 @@ private:
       if (projection.chain.size() == 1) projection.phase = Phase::starting;
       return;
     case Edit::Kind::start_failed:
+      steering_.touch(projection.host);
       if (!postpone_fork(state_, edit.bar))
         end(edit.bar, Phase::lost);
       else
@@ -193,6 +197,7 @@ private:
 
   void fire_forks(std::uint32_t host, std::uint32_t settled_before) {
     for (const std::uint32_t bar : due_bars(state_, host, settled_before)) {
+      steering_.touch(host);
       if (open_fork(state_, bar))
         tips_of_[state_.projections[bar].cell].push_back(bar);
       else
@@ -226,6 +231,7 @@ private:
   void end(std::uint32_t bar, Phase phase) {
     leave_rota(bar);
     state_.projections[bar].phase = phase;
+    steering_.touch(bar);
     orphan_waiting(bar);
     retry_orphans(state_.projections[bar].cell);
   }
@@ -295,6 +301,7 @@ private:
 
   State &state_;
   Team team_;
+  Steering steering_;
   Summary summary_;
   double grown_ = 0.0;
   std::vector<std::vector<std::uint32_t>> tips_of_; // by cell: bars that grow or start
@@ -334,6 +341,8 @@ void make_projections(State &state) {
 
 Summary grow(State &state, unsigned threads, const Progress &progress) {
   make_projections(state);
+  for (std::uint32_t bar = 0; bar < state.projections.size(); bar++)
+    if (state.projections[bar].parent == none) draw_calibre(state, bar);
   make_space(state);
   return Growth(state, threads).run(progress);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "navigate.hpp"
 
+#include "course.hpp"
 #include "occupancy.hpp"
 
 #include <glm/geometric.hpp>
@@ -33,6 +34,7 @@ void find_candidates(const State &state, const Projection &projection, const Tip
                      const glm::dvec3 &target, std::vector<Candidate> &candidates) {
   const Network &network = state.input.network;
   const Parameters &parameters = state.parameters;
+  const double f = radius_weight(state, projection.cell);
   const glm::dvec3 soma = state.input.cells.at(projection.cell);
   const double soma_radius = state.input.cells.radius[projection.cell];
   for (std::uint64_t e = network.edge_offset[tip.node]; e < network.edge_offset[tip.node + 1]; e++) {
@@ -60,7 +62,7 @@ void find_candidates(const State &state, const Projection &projection, const Tip
     const bool free = allowed >= state.space.reach;
     candidate.allowed = free ? std::numeric_limits<float>::infinity() : static_cast<float>(allowed);
     candidate.cost = attractor_cost(tip.position, candidate.position, target, parameters.length_factor) +
-                     parameters.f * (free ? 0.0 : radius_cost(r_0, allowed));
+                     f * (free ? 0.0 : radius_cost(r_0, allowed));
     candidates.push_back(candidate);
   }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate &x, const Candidate &y) {
@@ -85,22 +87,6 @@ glm::dvec3 chain_heading(const Projection &projection) {
   if (!(glm::dot(line, line) > 1e-12)) line = projection.attractor - tip.position;
   const double length = glm::length(line);
   return length > 1e-6 ? line / length : glm::dvec3(0.0, 0.0, 1.0);
-}
-
-double target_radius(const State &state, std::uint32_t bar, double path) {
-  const Bars &bars = state.input.bars;
-  const double middle = 0.5 * (bars.asked_start[bar] + bars.asked_end[bar]);
-  const double law = std::max(bars.radius[bar] + bars.taper[bar] * (path - middle), bars.radius_floor[bar]);
-  return std::max(std::min(law, state.projections[bar].radius_limit), state.parameters.r_min_um);
-}
-
-double wanted_radius(const State &state, std::uint32_t bar, double path) {
-  return std::max(state.parameters.radius_fraction * target_radius(state, bar, path),
-                  state.parameters.r_min_um);
-}
-
-double wanted_radius(const State &state, std::uint32_t bar, double path_from, double path_to) {
-  return std::max(wanted_radius(state, bar, path_from), wanted_radius(state, bar, path_to));
 }
 
 } // namespace conceg::grow

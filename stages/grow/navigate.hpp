@@ -41,10 +41,4 @@ bool attractor_reached(const glm::dvec3 &attractor, const glm::dvec3 &tip, const
 // Direction (unit) of the last 5 um of a chain; towards the attractor where there is no length yet.
 glm::dvec3 chain_heading(const Projection &projection);
 
-// Target radius of a bar at a path length, and the radius that growth commits at most.
-double target_radius(const State &state, std::uint32_t bar, double path);
-double wanted_radius(const State &state, std::uint32_t bar, double path);
-// For a whole segment: the larger of its ends.
-double wanted_radius(const State &state, std::uint32_t bar, double path_from, double path_to);
-
 } // namespace conceg::grow

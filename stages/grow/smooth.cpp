@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "smooth.hpp"
 
+#include "calibre.hpp"
+#include "course.hpp"
 #include "edit.hpp"
-#include "navigate.hpp"
 #include "occupancy.hpp"
 
 #include <glm/geometric.hpp>
@@ -43,9 +44,13 @@ bool fits(const State &state, std::uint32_t bar, std::vector<Vertex> &line, std:
   const float radius_after = line[index + 1].radius;
   const double least = 0.95 * std::min(before.radius, radius_after);
   const double need = std::max(state.parameters.r_min_um, least);
-  const double want_before = wanted_radius(state, bar, line[index - 1].path, before.path);
-  const double want_after = wanted_radius(state, bar, before.path, line[index + 1].path);
   line[index].position = place;
+  // A varying calibre is taken where the vertex comes to stand; a taper hardly changes over the shift.
+  const double path = calibre_varies(state, bar)
+                          ? line[index - 1].path + glm::distance(line[index - 1].position, place)
+                          : before.path;
+  const double want_before = wanted_radius(state, bar, line[index - 1].path, path);
+  const double want_after = wanted_radius(state, bar, path, line[index + 1].path);
   const double first = clearance(state, segment_at(state, bar, line, index), want_before, need);
   const double second =
       first >= need ? clearance(state, segment_at(state, bar, line, index + 1), want_after, need) : -1.0;
@@ -67,17 +72,19 @@ std::vector<Vertex> open_line(const Projection &projection, std::uint32_t &offse
 }
 
 void settle(const State &state, std::uint32_t bar, std::vector<Vertex> &line, std::size_t index) {
-  const double strength = state.parameters.smoothing;
+  const double strength = smoothing_of(state, bar);
   if (!(strength > 0.0) || index == 0 || index + 1 >= line.size()) return;
   for (const double part : {strength, 0.5 * strength})
     if (fits(state, bar, line, index, smoothed_place(line, index, part))) return recount(line, index);
 }
 
-double settled_length(const State &state, const std::vector<Vertex> &line, std::size_t open) {
+double settled_length(const State &state, std::uint32_t bar, const std::vector<Vertex> &line,
+                      std::size_t open) {
+  const double strength = smoothing_of(state, bar);
   glm::dvec3 last = line[open - 1].position;
   double path = line[open - 1].path;
   for (std::size_t i = open; i < line.size(); i++) {
-    const glm::dvec3 place = smoothed_place(line, i, state.parameters.smoothing);
+    const glm::dvec3 place = smoothed_place(line, i, strength);
     path += glm::distance(last, place);
     last = place;
   }
@@ -98,7 +105,7 @@ bool cut_at(std::vector<Vertex> &line, std::size_t index, double end) {
 
 std::size_t settle_line(const State &state, std::uint32_t bar, std::vector<Vertex> &line, std::size_t open,
                         bool flush, double end, bool &finished) {
-  const std::size_t lag = state.parameters.smoothing > 0.0 && !flush ? smoothing_lag : 0;
+  const std::size_t lag = smoothing_of(state, bar) > 0.0 && !flush ? smoothing_lag : 0;
   finished = false;
   while (open + lag < line.size()) {
     settle(state, bar, line, open);

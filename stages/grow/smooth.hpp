@@ -17,7 +17,8 @@ std::vector<Vertex> open_line(const Projection &projection, std::uint32_t &offse
 void settle(const State &state, std::uint32_t bar, std::vector<Vertex> &line, std::size_t index);
 
 // Path length at the end of the line if everything from `open` on were settled now.
-double settled_length(const State &state, const std::vector<Vertex> &line, std::size_t open);
+double settled_length(const State &state, std::uint32_t bar, const std::vector<Vertex> &line,
+                      std::size_t open);
 
 // If the line reaches `end` at its settled vertex `index`, cuts it there exactly and drops the rest.
 bool cut_at(std::vector<Vertex> &line, std::size_t index, double end);

@@ -3,12 +3,14 @@
 #include "conceg/stage.h"
 
 #include "deliver.hpp"
+#include "entries.hpp"
 #include "grow.hpp"
 #include "input.hpp"
 #include "view.hpp"
 #include "wrap.hpp"
 
 #include <chrono>
+#include <cstdio>
 #include <cstring>
 
 namespace {
@@ -37,8 +39,13 @@ const conceg_param parameter_table[] = {
     {"smoothing", "1",
      "how far the line leaves the nodes for the smoothed place, inside the free space; 0 = none", "0.5",
      nullptr, CONCEG_PARAM_F64, 0, 0.0, 1.0},
+    {"straightness", "",
+     "steered to each entry's by more smoothing or by wandering, or free: the same smoothing for all",
+     "dictionary", "dictionary|free", CONCEG_PARAM_CHOICE, 0, 0.0, 0.0},
     {"occupancy", "", "what keeps cells apart: exact capsules, or the nodes' free radius alone (the paper)",
      "capsule", "capsule|nodes", CONCEG_PARAM_CHOICE, 0, 0.0, 0.0},
+    {"calibre", "", "radius along a bar: its taper times the entry's Gaussian process, or the taper alone",
+     "process", "process|taper", CONCEG_PARAM_CHOICE, 0, 0.0, 0.0},
     {"max_edge_um", "um", "longer edges of the network are no candidates", "2", nullptr, CONCEG_PARAM_F64, 0,
      0.5, 3.0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0.0, 0.0},
@@ -83,6 +90,19 @@ void write_bars(conceg_doc *doc, const BarReport &report) {
   put(doc, "/bars/handed_to", report.handed_to);
 }
 
+void tell_straightness(conceg_ctx *ctx, const Types &types, const Measures &measures) {
+  for (std::size_t type = 0; type < types.name.size(); type++) {
+    const Straightness &reached = measures.of_type[type];
+    if (reached.branches == 0) continue;
+    const double asked = type < types.straightness.size() ? types.straightness[type] : 0.0;
+    char ask[32] = "none asked";
+    if (asked > 0.0) std::snprintf(ask, sizeof ask, "%.3f asked", asked);
+    conceg_ctx_log(ctx, CONCEG_LOG_INFO, "grow: %s: straightness %.3f, %s, %llu branches",
+                   types.name[type].c_str(), reached.mean(), ask,
+                   static_cast<unsigned long long>(reached.branches));
+  }
+}
+
 void tell(conceg_ctx *ctx, const State &state, const Summary &summary, const Measures &measures,
           double seconds) {
   for (std::uint32_t worker = 0; worker < summary.steps_by_worker.size() && worker < 256; worker++)
@@ -104,6 +124,7 @@ void tell(conceg_ctx *ctx, const State &state, const Summary &summary, const Mea
       static_cast<unsigned long long>(summary.lost), static_cast<unsigned long long>(summary.handed),
       measures.cable_um * 1e-3, measures.straightness, summary.angle_error * 57.29577951308232,
       measures.volume_committed_um3 / box, measures.volume_target_um3 / box);
+  tell_straightness(ctx, state.input.types, measures);
   if (summary.lost > 0)
     conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
                    "grow: %llu of %zu bars found no room and were lost (state 3 in /bars); a lower density "
@@ -127,6 +148,8 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
     State state;
     state.parameters = read_parameters(params);
     state.input = read_input(doc, conceg_ctx_seed(ctx));
+    read_entries(doc, std::strcmp(conceg_params_text(params, "straightness"), "dictionary") == 0,
+                 std::strcmp(conceg_params_text(params, "calibre"), "process") == 0, state.input);
     const auto before = std::chrono::steady_clock::now();
     const Summary summary = conceg::grow::grow(state, conceg_ctx_threads(ctx), progress_of(ctx));
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();

@@ -4,10 +4,12 @@
 
 #include "conceg/geom.h"
 #include "conceg/rng.h"
+#include "walk.hpp"
 
 #include <glm/vec3.hpp>
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace conceg::grow {
@@ -50,6 +52,11 @@ struct Cells {
   const float *radius = nullptr;
   glm::dvec3 at(std::uint32_t cell) const { return {soma[3 * cell], soma[3 * cell + 1], soma[3 * cell + 2]}; }
 };
+// How far ln r strays from the taper, and over which path it forgets.
+struct CalibreLaw {
+  double sd = 0.0; // 0 = the taper alone
+  double correlation_length_um = 1.0;
+};
 struct Bars {
   std::size_t count = 0;
   const std::uint64_t *cell_offset = nullptr;
@@ -60,12 +67,19 @@ struct Bars {
   const double *attractor = nullptr; // [count][3], unwrapped
   const double *angle = nullptr;
   const double *radius = nullptr, *taper = nullptr, *radius_floor = nullptr;
+  std::vector<CalibreLaw> calibre = {}; // [count], or empty
+};
+struct Types {
+  std::vector<std::string> name;
+  const std::uint32_t *of_cell = nullptr; // null = one type
+  std::vector<double> straightness = {};  // asked of each type, 0 = nothing; empty = none is steered
 };
 struct Input {
   conceg_box box = {};
   Network network;
   Cells cells;
   Bars bars;
+  Types types;
   std::uint64_t seed = 1;
 };
 
@@ -143,7 +157,9 @@ struct Projection {
   std::uint32_t host = none, parent = none; // rows over all cells
   double fork_path = 0.0;                   // where it is due on its host
   double start_path = 0.0;
-  double radius_limit = 1e30; // parent's local target radius
+  double radius_limit = 1e30; // parent's taper law at the fork
+  Walk calibre;               // g / sd along the path
+  Walk wander[3];             // how it strays from its attractor
   glm::dvec3 attractor{0.0};
   glm::dvec3 fork_heading{0.0}; // direction of the host behind the fork
   std::uint32_t fork_nodes[2] = {none, none};
@@ -165,6 +181,7 @@ struct State {
   Space space;
   std::vector<Projection> projections;              // one per bar
   std::vector<std::vector<std::uint32_t>> children; // bars whose parent is this bar
+  std::vector<double> course; // of each type: above 0 smoother, below 0 wandering, in units of straightness
 };
 
 } // namespace conceg::grow

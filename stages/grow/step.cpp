@@ -2,11 +2,15 @@
 #include "step.hpp"
 
 #include "branch.hpp"
+#include "calibre.hpp"
 #include "collapse.hpp"
+#include "course.hpp"
 #include "occupancy.hpp"
 #include "smooth.hpp"
 
 #include <glm/geometric.hpp>
+
+#include <algorithm>
 
 namespace conceg::grow {
 
@@ -42,8 +46,10 @@ double edge_radius(const State &state, std::uint32_t bar, const Vertex &from, co
   const double length = glm::distance(from.position, candidate.position);
   const double want = wanted_radius(state, bar, from.path, from.path + length);
   const double need = state.parameters.r_min_um;
+  // The field of the nodes knows no farther than the widest taper.
+  const double known = calibre_varies(state, bar) ? state.space.reach : want;
   if (state.parameters.occupancy == Occupancy::nodes)
-    return std::min(want, static_cast<double>(candidate.allowed));
+    return std::min({want, static_cast<double>(candidate.allowed), known});
   const Segment probe = make_segment(state.input.box, from.position, candidate.position, want,
                                      state.projections[bar].cell, bar, from.path + 0.5 * length);
   return clearance(state, probe, want, need);
@@ -55,9 +61,10 @@ void propose(const State &state, std::uint32_t bar, Edit &edit) {
   if (projection.phase == Phase::starting) return propose_start(state, bar, edit);
   const Vertex &last = projection.chain.back();
   const Tip tip{last.position, last.node, {last.lift[0], last.lift[1], last.lift[2]}};
-  const glm::dvec3 target = aim(state, projection, edit);
+  const glm::dvec3 target =
+      wandering_target(state, bar, last.position, last.path, aim(state, projection, edit));
   std::vector<Candidate> candidates;
-  find_candidates(state, projection, tip, target_radius(state, bar, last.path), target, candidates);
+  find_candidates(state, projection, tip, law_radius(state, bar, last.path), target, candidates);
   std::uint32_t offset = 0;
   std::vector<Vertex> line = open_line(projection, offset);
   for (const Candidate &candidate : candidates) {
@@ -71,13 +78,13 @@ void propose(const State &state, std::uint32_t bar, Edit &edit) {
     line.push_back(next);
     const double end = state.input.bars.asked_end[bar];
     const std::size_t open = projection.settled - offset;
-    const bool flush = settled_length(state, line, open) >= end;
-    note_reads(state, projection, line, wanted_radius(state, bar, line.front().path, next.path), edit);
+    const bool flush = settled_length(state, bar, line, open) >= end;
+    note_reads(state, projection, line, widest_wanted(state, bar, line.front().path, next.path), edit);
     const std::size_t settled = settle_line(state, bar, line, open, flush, end, edit.finished);
     edit_from_line(state, line, offset, static_cast<std::uint32_t>(settled) + offset, edit);
     return;
   }
-  note_reads(state, projection, line, wanted_radius(state, bar, last.path), edit);
+  note_reads(state, projection, line, widest_wanted(state, bar, last.path, last.path), edit);
   propose_collapse(state, bar, edit);
 }
 

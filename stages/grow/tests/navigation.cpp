@@ -50,7 +50,8 @@ struct Star {
     in.network = {6, position.data(), radius.data(), offset.data(), edge.data(), shift.data()};
     in.cells = {2, id.data(), soma.data(), soma_radius.data()};
     in.bars = {1,          cell_offset.data(), tree.data(),  parent.data(), neurite.data(), start.data(),
-               end.data(), attractor.data(),   angle.data(), r.data(),      taper.data(),   floor.data()};
+               end.data(), attractor.data(),   angle.data(), r.data(),      taper.data(),   floor.data(),
+               {}};
     state.projections.resize(1);
     state.projections[0].attractor = {20, 5, 5};
     make_space(state);

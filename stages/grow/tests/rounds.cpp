@@ -11,8 +11,9 @@ namespace {
 bool same(const Grown &a, const Grown &b) {
   const Skeleton &x = a.skeleton, &y = b.skeleton;
   return same_bytes(x.position, y.position) && same_bytes(x.radius, y.radius) &&
-         same_bytes(x.parent, y.parent) && same_bytes(x.branch, y.branch) && same_bytes(x.bar, y.bar) &&
-         same_bytes(x.status, y.status) && same_bytes(a.bars.achieved_start, b.bars.achieved_start) &&
+         same_bytes(x.target_radius, y.target_radius) && same_bytes(x.parent, y.parent) &&
+         same_bytes(x.branch, y.branch) && same_bytes(x.bar, y.bar) && same_bytes(x.status, y.status) &&
+         same_bytes(a.bars.achieved_start, b.bars.achieved_start) &&
          same_bytes(a.bars.achieved_end, b.bars.achieved_end) && same_bytes(a.bars.state, b.bars.state) &&
          same_bytes(a.bars.handed_to, b.bars.handed_to) &&
          same_bytes(a.state.space.field, b.state.space.field);
@@ -42,6 +43,18 @@ void threads() {
     CHECK(5 * steps > two.summary.steps);
   for (const std::uint64_t steps : three.summary.steps_by_worker)
     CHECK(5 * steps > three.summary.steps);
+}
+
+void threads_with_calibre_and_course() {
+  World world = crowded(4);
+  world.calibre.assign(world.tree.size(), {0.25, 4.0});
+  const Grown waves = grow_world(world, {}, 1);
+  world.straightness = 0.8;
+  const Grown one = grow_world(world, {}, 1);
+  CHECK(same(one, grow_world(world, {}, 2)));
+  CHECK(same(one, grow_world(world, {}, 3)));
+  CHECK(!same(one, waves)); // the course is there, and so is the calibre
+  CHECK(!same(waves, grow_world(crowded(4), {}, 1)));
 }
 
 // One cell alone still gives every worker its share.
@@ -79,6 +92,7 @@ void team() {
 int main() {
   team();
   threads();
+  threads_with_calibre_and_course();
   one_cell();
   return check_done();
 }

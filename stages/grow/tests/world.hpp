@@ -31,6 +31,8 @@ struct World {
   std::vector<std::int64_t> parent;
   std::vector<std::uint8_t> neurite;
   std::vector<double> start, end, attractor, angle, radius, taper, floor;
+  std::vector<conceg::grow::CalibreLaw> calibre; // per bar, or empty
+  double straightness = 0.0;                     // asked of all branches, 0 = free
 
   void make_box(double side, bool periodic) {
     for (int a = 0; a < 3; a++)
@@ -122,7 +124,10 @@ struct World {
                   edge_offset.data(), edge.data(), edge_shift.data()};
     in.cells = {cell_id.size(), cell_id.data(), soma.data(), soma_radius.data()};
     in.bars = {tree.size(), bar_offset.data(), tree.data(),  parent.data(), neurite.data(), start.data(),
-               end.data(),  attractor.data(),  angle.data(), radius.data(), taper.data(),   floor.data()};
+               end.data(),  attractor.data(),  angle.data(), radius.data(), taper.data(),   floor.data(),
+               {}};
+    in.bars.calibre = calibre;
+    if (straightness > 0.0) in.types.straightness = {straightness};
     return in;
   }
 
