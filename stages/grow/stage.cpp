@@ -132,6 +132,22 @@ void tell(conceg_ctx *ctx, const State &state, const Summary &summary, const Mea
                    static_cast<unsigned long long>(summary.lost), state.input.bars.count);
 }
 
+// A note at each tenth of the cable: how much stands, how many cells are done, when it will be over.
+Watch tell_tenths(conceg_ctx *ctx, const State &state) {
+  const auto began = std::chrono::steady_clock::now();
+  Watch watch;
+  watch.tenth = [ctx, &state, began](const Standing &standing) {
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - began;
+    const double left = spent.count() * (standing.asked_um / standing.cable_um - 1.0);
+    conceg_ctx_log(
+        ctx, CONCEG_LOG_INFO,
+        "grow: %.3f of %.3f mm of cable, %zu of %zu cells done, %.3f of the box occupied, %.0f s left",
+        1e-3 * standing.cable_um, 1e-3 * standing.asked_um, standing.cells_done, standing.cells,
+        standing.occupied_um3 / volume(state.input.box), left > 0.0 ? left : 0.0);
+  };
+  return watch;
+}
+
 conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   return guard(ctx, "grow", [&] {
     State state;
@@ -140,7 +156,8 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
     read_entries(doc, std::strcmp(conceg_params_text(params, "straightness"), "dictionary") == 0,
                  std::strcmp(conceg_params_text(params, "calibre"), "process") == 0, state.input);
     const auto before = std::chrono::steady_clock::now();
-    const Summary summary = conceg::grow::grow(state, conceg_ctx_threads(ctx), progress_of(ctx));
+    const Summary summary =
+        conceg::grow::grow(state, conceg_ctx_threads(ctx), progress_of(ctx), tell_tenths(ctx, state));
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
     const Skeleton skeleton = deliver_skeleton(state);
     const BarReport report = deliver_bars(state);
