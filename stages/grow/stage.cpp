@@ -23,7 +23,7 @@ const conceg_param parameter_table[] = {
     {"length_factor", "",
      "factor |s-c| / (1 + |s-c|) in l_t as the paper prints it; it favours short sideways edges", "false",
      nullptr, CONCEG_PARAM_BOOL, 0, 0.0, 0.0},
-    {"lambda_per_um", "um^-1", "steepness of the forks' hazard before a bar's start", "1", nullptr,
+    {"lambda_per_um", "um^-1", "steepness of the forks' hazard before a bar's start", "2", nullptr,
      CONCEG_PARAM_F64, 0, 0.01, 100.0},
     {"hazard", "", "forks by a hazard per um of path, or by the paper's probability at each step", "per_um",
      "per_um|per_step", CONCEG_PARAM_CHOICE, 0, 0.0, 0.0},
