@@ -153,6 +153,7 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
     State state;
     state.parameters = read_parameters(params);
     state.input = read_input(doc, conceg_ctx_seed(ctx));
+    check_spacing(state.input, state.parameters.max_edge_um);
     read_entries(doc, std::strcmp(conceg_params_text(params, "straightness"), "dictionary") == 0,
                  std::strcmp(conceg_params_text(params, "calibre"), "process") == 0, state.input);
     const auto before = std::chrono::steady_clock::now();
