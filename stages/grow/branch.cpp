@@ -20,7 +20,8 @@ namespace {
 constexpr double fork_gap_um = 0.5;   // least path between a projection's ends and a fork on it
 constexpr double fork_snap_um = 0.05; // a fork nearer to a vertex takes its place
 constexpr double postpone_um = 1.0;   // a fork without a free first edge is tried again that much later
-constexpr double exact_cosine = 0.7;  // how near a node must be for the exact direction to be used
+constexpr double exact_cosine =
+    0.2; // a narrow fork has its host on the nearest nodes: any node on that side serves
 constexpr double shortest_first_um = 0.5;
 
 // Where a bar is due on a host that stands at `path`: by the hazard ahead of it, else at its start on the

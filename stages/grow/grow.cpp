@@ -20,9 +20,15 @@ namespace {
 constexpr std::size_t least_tips = 16; // a round offers at least so many steps while there are as many tips
 constexpr double least_room_um3 = 1000.0; // box per step of a round: nearer ones would mostly be put off
 
+double volume_of(const Segment &segment) {
+  const double pi = 3.14159265358979323846, r = segment.radius;
+  return segment.bar == none ? 4.0 / 3.0 * pi * r * r * r : pi * r * r * 2.0 * segment.half_length;
+}
+
 class Growth {
 public:
-  Growth(State &state, unsigned threads) : state_(state), team_(threads), steering_(state) {
+  Growth(State &state, unsigned threads, const Watch &watch)
+      : state_(state), watch_(watch), team_(threads), steering_(state) {
     summary_.steps_by_worker.assign(team_.size(), 0);
     written_.assign(state.space.grid.cells(), 0);
     read_.assign(state.space.grid.cells(), 0);
@@ -47,6 +53,7 @@ public:
       if (tips_.empty()) break;
       if (summary_.rounds % 64 == 0)
         report(progress, "grow", static_cast<std::uint64_t>(grown_), static_cast<std::uint64_t>(asked));
+      tell_tenth(asked);
       summary_.rounds++;
       round();
     }
@@ -56,6 +63,18 @@ public:
   }
 
 private:
+  void tell_tenth(double asked) {
+    if (!watch_.tenth || 10.0 * grown_ < (tenths_told_ + 1) * asked) return;
+    tenths_told_ = static_cast<int>(10.0 * grown_ / asked);
+    Standing standing;
+    standing.cable_um = grown_, standing.asked_um = asked, standing.cells = tips_of_.size();
+    for (const auto &tips : tips_of_)
+      standing.cells_done += tips.empty();
+    for (const Segment &segment : state_.space.segments)
+      if (segment.alive) standing.occupied_um3 += volume_of(segment);
+    watch_.tenth(standing);
+  }
+
   // Roots of the cells with a soma, or of those without.
   void start_roots(bool with_soma) {
     Edit edit;
@@ -105,6 +124,7 @@ private:
     if (edits_.size() < tips_.size()) edits_.resize(tips_.size());
     team_.loop(tips_.size(), [&](std::size_t i, unsigned) { propose(state_, tips_[i], edits_[i]); });
     reserve();
+    if (watch_.before) watch_.before(state_, accepted_by_priority());
     for (const std::size_t i : accepted_) {
       unmark_tail(state_, edits_[i]);
       number_segments(state_.space, edits_[i]);
@@ -115,6 +135,11 @@ private:
       commit(state_, edits_[accepted_[i]]);
       summary_.steps_by_worker[worker]++;
     });
+    for (const std::size_t i : accepted_) {
+      mark_tail(state_, edits_[i]);
+      return_segments(state_.space, edits_[i]);
+    }
+    if (watch_.after) watch_.after(state_);
     for (std::size_t i = 0; i < accepted_.size(); i++)
       follow(edits_[accepted_[i]], tip_before_[i], settled_before_[i]);
     tip_before_.clear(), settled_before_.clear();
@@ -157,11 +182,16 @@ private:
     std::sort(accepted_.begin(), accepted_.end());
   }
 
+  std::vector<std::uint32_t> accepted_by_priority() const {
+    std::vector<std::uint32_t> bars;
+    for (const auto &[priority, i] : order_)
+      if (std::binary_search(accepted_.begin(), accepted_.end(), i)) bars.push_back(tips_[i]);
+    return bars;
+  }
+
   // What follows from a committed edit, in the order of the tips.
   void follow(Edit &edit, double tip_before, std::uint32_t settled_before) {
     Projection &projection = state_.projections[edit.bar];
-    mark_tail(state_, edit);
-    return_segments(state_.space, edit);
     if (!projection.chain.empty()) grown_ += projection.chain.back().path - tip_before;
     summary_.steps++;
     switch (edit.kind) {
@@ -300,10 +330,12 @@ private:
   }
 
   State &state_;
+  const Watch &watch_;
   Team team_;
   Steering steering_;
   Summary summary_;
   double grown_ = 0.0;
+  int tenths_told_ = 0;
   std::vector<std::vector<std::uint32_t>> tips_of_; // by cell: bars that grow or start
   std::vector<std::size_t> next_tip_;
   std::size_t next_cell_ = 0; // where the next round begins
@@ -339,12 +371,12 @@ void make_projections(State &state) {
 
 } // namespace
 
-Summary grow(State &state, unsigned threads, const Progress &progress) {
+Summary grow(State &state, unsigned threads, const Progress &progress, const Watch &watch) {
   make_projections(state);
   for (std::uint32_t bar = 0; bar < state.projections.size(); bar++)
     if (state.projections[bar].parent == none) draw_calibre(state, bar);
   make_space(state);
-  return Growth(state, threads).run(progress);
+  return Growth(state, threads, watch).run(progress);
 }
 
 } // namespace conceg::grow

@@ -7,6 +7,8 @@
 #include "parallel.hpp"
 #include "state.hpp"
 
+#include <functional>
+
 namespace conceg::grow {
 
 struct Summary {
@@ -16,7 +18,22 @@ struct Summary {
   double angle_error = 0.0; // mean of first edges against the drawn angle, rad
 };
 
+// How far growth is.
+struct Standing {
+  double cable_um = 0.0, asked_um = 0.0;
+  std::size_t cells_done = 0, cells = 0;
+  double occupied_um3 = 0.0; // by somas and committed pieces, joints counted twice
+};
+
+// Who looks on; each may be empty. `before` sees the frozen state of a round and the bars whose steps it
+// accepted, by priority; `after` the state with these steps committed, before anything follows from them.
+struct Watch {
+  std::function<void(const Standing &)> tenth; // at each tenth of the cable
+  std::function<void(const State &, const std::vector<std::uint32_t> &)> before;
+  std::function<void(const State &)> after;
+};
+
 // Makes the space and grows every bar of the input. Throws Error (cancelled) when progress says stop.
-Summary grow(State &state, unsigned threads, const Progress &progress);
+Summary grow(State &state, unsigned threads, const Progress &progress, const Watch &watch = {});
 
 } // namespace conceg::grow

@@ -4,12 +4,15 @@
 #include "view.hpp"
 #include "wrap.hpp"
 
+#include <glm/geometric.hpp>
+
 #include <cmath>
 
 namespace conceg::grow {
 
 namespace {
 
+constexpr double least_choices = 3.0; // edges that a tip can take on average, or it cannot follow a direction
 constexpr double least_side_um = 8.0; // nearest images must be unique for what one step looks at
 
 void same_rows(const char *path, std::size_t got, const char *other, std::size_t expected) {
@@ -108,6 +111,12 @@ void read_cells(conceg_doc *doc, Input &input) {
       fail(CONCEG_E_RANGE, "/cells/radius[%zu]: expected 0 or a soma radius in um, got %g", i,
            static_cast<double>(cells.radius[i]));
     for (int a = 0; a < 3; a++)
+      if (2.0 * cells.radius[i] > conceg_box_side(&input.box, a))
+        fail(CONCEG_E_RANGE,
+             "/cells/radius[%zu]: expected a soma that fits the box of %g um on axis %d, got a radius of %g "
+             "um",
+             i, conceg_box_side(&input.box, a), a, static_cast<double>(cells.radius[i]));
+    for (int a = 0; a < 3; a++)
       if (cells.soma[3 * i + a] < input.box.lo[a] || cells.soma[3 * i + a] > input.box.hi[a])
         fail(CONCEG_E_RANGE, "/cells/soma[%zu]: expected a soma in the box, got %g on axis %d", i,
              cells.soma[3 * i + a], a);
@@ -171,6 +180,26 @@ void read_bars(conceg_doc *doc, Input &input) {
 }
 
 } // namespace
+
+void check_spacing(const Input &input, double max_edge_um) {
+  const Network &network = input.network;
+  const std::size_t looked_at = 100000, stride = 1 + network.nodes / looked_at;
+  std::size_t nodes = 0, edges = 0;
+  for (std::size_t node = 0; node < network.nodes; node += stride, nodes++)
+    for (std::uint64_t e = network.edge_offset[node]; e < network.edge_offset[node + 1]; e++) {
+      glm::dvec3 along = network.at(network.edge[e]) - network.at(static_cast<std::uint32_t>(node));
+      for (int a = 0; a < 3; a++)
+        along[a] = conceg_box_nearest(&input.box, a, along[a]);
+      edges += glm::length(along) <= max_edge_um;
+    }
+  const double each = static_cast<double>(edges) / static_cast<double>(nodes);
+  if (each < least_choices)
+    fail(CONCEG_E_RANGE,
+         "/network: expected %g edges up to max_edge_um = %g um at a node on average, got %.2f: the nodes "
+         "are too sparse; raise "
+         "density_per_um3 of triangulate, or max_edge_um",
+         least_choices, max_edge_um, each);
+}
 
 Input read_input(conceg_doc *doc, std::uint64_t seed) {
   Input input;

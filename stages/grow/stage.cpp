@@ -23,7 +23,7 @@ const conceg_param parameter_table[] = {
     {"length_factor", "",
      "factor |s-c| / (1 + |s-c|) in l_t as the paper prints it; it favours short sideways edges", "false",
      nullptr, CONCEG_PARAM_BOOL, 0, 0.0, 0.0},
-    {"lambda_per_um", "um^-1", "steepness of the forks' hazard before a bar's start", "1", nullptr,
+    {"lambda_per_um", "um^-1", "steepness of the forks' hazard before a bar's start", "2", nullptr,
      CONCEG_PARAM_F64, 0, 0.01, 100.0},
     {"hazard", "", "forks by a hazard per um of path, or by the paper's probability at each step", "per_um",
      "per_um|per_step", CONCEG_PARAM_CHOICE, 0, 0.0, 0.0},
@@ -143,15 +143,33 @@ void tell_free_cable(conceg_ctx *ctx, const State &state, const FreeCable &cable
                  static_cast<unsigned long long>(cable.lost));
 }
 
+// A note at each tenth of the cable: how much stands, how many cells are done, when it will be over.
+Watch tell_tenths(conceg_ctx *ctx, const State &state) {
+  const auto began = std::chrono::steady_clock::now();
+  Watch watch;
+  watch.tenth = [ctx, &state, began](const Standing &standing) {
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - began;
+    const double left = spent.count() * (standing.asked_um / standing.cable_um - 1.0);
+    conceg_ctx_log(
+        ctx, CONCEG_LOG_INFO,
+        "grow: %.3f of %.3f mm of cable, %zu of %zu cells done, %.3f of the box occupied, %.0f s left",
+        1e-3 * standing.cable_um, 1e-3 * standing.asked_um, standing.cells_done, standing.cells,
+        standing.occupied_um3 / volume(state.input.box), left > 0.0 ? left : 0.0);
+  };
+  return watch;
+}
+
 conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   return guard(ctx, "grow", [&] {
     State state;
     state.parameters = read_parameters(params);
     state.input = read_input(doc, conceg_ctx_seed(ctx));
+    check_spacing(state.input, state.parameters.max_edge_um);
     read_entries(doc, std::strcmp(conceg_params_text(params, "straightness"), "dictionary") == 0,
                  std::strcmp(conceg_params_text(params, "calibre"), "process") == 0, state.input);
     const auto before = std::chrono::steady_clock::now();
-    const Summary summary = conceg::grow::grow(state, conceg_ctx_threads(ctx), progress_of(ctx));
+    const Summary summary =
+        conceg::grow::grow(state, conceg_ctx_threads(ctx), progress_of(ctx), tell_tenths(ctx, state));
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
     const Skeleton skeleton = deliver_skeleton(state);
     const BarReport report = deliver_bars(state);

@@ -22,7 +22,7 @@ enum class Hazard { per_um, per_step };
 struct Parameters {
   double f = 1.0;                 // weight of l_r against l_t
   bool length_factor = false;     // |s-c| / (1 + |s-c|) in l_t, as the paper prints it
-  double lambda_per_um = 1.0;     // of the forks' hazard
+  double lambda_per_um = 2.0;     // of the forks' hazard
   Hazard hazard = Hazard::per_um; // or the paper's probability at each step
   double collapse_um = 5.0;       // g0
   std::uint32_t retries = 5;      // collapses in one place before a bar is ended

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Rounds: the same bytes for any number of threads, another tissue for another seed, work for every worker.
 #include "check.h"
+#include "step.hpp"
 #include "team.hpp"
 #include "world.hpp"
 
@@ -24,7 +25,7 @@ World crowded(int cells) {
   world.make_box(22, true);
   for (int c = 0; c < cells; c++) {
     world.add_cell({5.0 + 11.0 * (c & 1), 5.0 + 11.0 * (c >> 1), 5.0 + 11.0 * ((c * 3) % 4 & 1)}, 3.0);
-    world.add_random_trees(6, 10, 70, 0.6, 20 + static_cast<unsigned>(c));
+    world.add_random_trees(7, 10, 70, 0.7, 20 + static_cast<unsigned>(c));
   }
   world.make_network(1.0, 0.2, 1.25);
   return world;
@@ -55,6 +56,61 @@ void threads_with_calibre_and_course() {
   CHECK(same(one, grow_world(world, {}, 3)));
   CHECK(!same(one, waves)); // the course is there, and so is the calibre
   CHECK(!same(waves, grow_world(crowded(4), {}, 1)));
+}
+
+// A round equals its accepted steps one after another: each is proposed again on what those before it left.
+bool same_state(const State &a, const State &b) {
+  bool equal = same_bytes(a.space.field, b.space.field) && same_bytes(a.space.mark, b.space.mark);
+  for (std::size_t bar = 0; equal && bar < a.projections.size(); bar++) {
+    const Projection &p = a.projections[bar], &q = b.projections[bar];
+    equal = p.chain.size() == q.chain.size() && p.settled == q.settled && p.attractor == q.attractor;
+    for (std::size_t i = 0; equal && i < p.chain.size(); i++)
+      equal = p.chain[i].position == q.chain[i].position && p.chain[i].path == q.chain[i].path &&
+              p.chain[i].radius == q.chain[i].radius && p.chain[i].node == q.chain[i].node;
+  }
+  return equal;
+}
+
+void replay(State &state, const std::vector<std::uint32_t> &bars) {
+  for (const std::uint32_t bar : bars) {
+    Edit edit;
+    propose(state, bar, edit);
+    unmark_tail(state, edit);
+    number_segments(state.space, edit);
+    commit(state, edit);
+    mark_tail(state, edit);
+    return_segments(state.space, edit);
+  }
+}
+
+void serial(const Parameters &parameters) {
+  World world = crowded(4);
+  world.calibre.assign(world.tree.size(), {0.25, 4.0});
+  world.straightness = 0.8;
+  State state, forward, backward, unchanged;
+  state.input = world.input(), state.parameters = parameters;
+  std::size_t rounds = 0, compared = 0, steps = 0, equal_forward = 0, equal_backward = 0, moved = 0;
+  Watch watch;
+  watch.before = [&](const State &frozen, const std::vector<std::uint32_t> &bars) {
+    if (rounds++ % 5 != 0) return;
+    forward = frozen, backward = frozen, unchanged = frozen;
+    replay(forward, bars);
+    replay(backward, {bars.rbegin(), bars.rend()});
+    steps += bars.size();
+  };
+  watch.after = [&](const State &committed) {
+    if (rounds % 5 != 1) return;
+    compared++;
+    equal_forward += same_state(forward, committed), equal_backward += same_state(backward, committed);
+    moved += !same_state(unchanged, committed); // the comparison can fail
+  };
+  conceg::grow::grow(state, 2, nullptr, watch);
+  printf("%zu rounds of %.1f steps replayed\n", compared,
+         static_cast<double>(steps) / static_cast<double>(compared));
+  CHECK(compared > 50 && steps > 3 * compared);
+  CHECK_EQUAL(equal_forward, compared);
+  CHECK_EQUAL(equal_backward, compared);
+  CHECK_EQUAL(moved, compared);
 }
 
 // One cell alone still gives every worker its share.
@@ -94,5 +150,9 @@ int main() {
   threads();
   threads_with_calibre_and_course();
   one_cell();
+  serial({});
+  Parameters paper;
+  paper.occupancy = Occupancy::nodes, paper.smoothing = 0.0, paper.radius_fraction = 1.0;
+  serial(paper);
   return check_done();
 }

@@ -205,6 +205,10 @@ int main() {
   breaks("/bars/attractor[5]", CONCEG_E_RANGE, [](World &w) { w.attractor[5] = 0.0 / 0.0 * w.attractor[5]; });
   breaks("/bars/cell_offset[2]", CONCEG_E_RANGE, [](World &w) { w.bar_offset[2]++; });
   breaks("/cells/soma[1]", CONCEG_E_RANGE, [](World &w) { w.soma[4] = -1.0; });
+  breaks("/cells/radius[1]", CONCEG_E_RANGE, [](World &w) { w.soma_radius[1] = 10.1f; });
+  breaks("/domain", CONCEG_E_RANGE, [](World &w) { w.box.hi[2] = 7.9; });
+  breaks("/bars/radius[2]", CONCEG_E_RANGE, [](World &w) { w.radius[2] = 0.0; });
+  breaks_with("too sparse", CONCEG_E_RANGE, nullptr, "grow.max_edge_um=0.5");
   breaks_with("/cells/type[1]", CONCEG_E_RANGE, [](conceg_doc *doc) {
     conceg::put(doc, "/cells/type", std::vector<std::uint32_t>{0, 7});
   });
