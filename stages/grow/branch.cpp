@@ -23,6 +23,7 @@ constexpr double postpone_um = 1.0;   // a fork without a free first edge is tri
 constexpr double exact_cosine =
     0.2; // a narrow fork has its host on the nearest nodes: any node on that side serves
 constexpr double shortest_first_um = 0.5;
+constexpr std::uint32_t exact_tries = 2; // trapped so often there, it goes where there are nodes
 
 // Where a bar is due on a host that stands at `path`: by the hazard ahead of it, else at its start on the
 // line that is there.
@@ -114,7 +115,7 @@ void propose_start(const State &state, std::uint32_t bar, Edit &edit) {
     Candidate used = candidate;
     double radius = -1.0;
     if (smoothing_of(state, bar) > 0.0 && state.parameters.occupancy == Occupancy::capsule &&
-        candidate.cost < 1.0 - exact_cosine) {
+        candidate.cost < 1.0 - exact_cosine && projection.collapses < exact_tries) {
       const double length = std::max(glm::distance(fork.position, candidate.position), shortest_first_um);
       used.position = fork.position + length * direction;
       radius = edge_radius(state, bar, fork, used);
