@@ -183,7 +183,8 @@ Edges delaunay_edges(const conceg_box &box, const std::vector<glm::dvec3> &nodes
     report(progress, "triangulate", nodes.size(), nodes.size());
   } else {
     const Buckets buckets(box, nodes, std::min(kBucketUm, options.tile_um));
-    const std::vector<Tile> tiles = cut_tiles(buckets, options.tile_um, workers.threads());
+    const std::vector<Tile> tiles =
+        cut_tiles(buckets, options.tile_um, workers.threads(), options.tile_nodes);
     edges.tiles.resize(tiles.size());
     std::vector<std::uint64_t> widened(tiles.size());
     std::vector<double> largest(tiles.size());

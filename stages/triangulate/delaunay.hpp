@@ -18,6 +18,7 @@ struct DelaunayOptions {
   double halo_um = 3.0;  // first width of the halo; a tile whose certificate fails is redone with a wider one
   bool mirrored_faces =
       false; // the paper's: plain Delaunay of the closed box, twins on opposing faces made one
+  std::uint64_t tile_nodes = 400000; // most nodes of a tile where it can be halved: about 0.3 GB a thread
 };
 
 // Edges of the nodes of one tile: neighbours of node[i] follow one another, degree[i] of them.

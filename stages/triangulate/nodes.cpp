@@ -2,6 +2,7 @@
 #include "nodes.hpp"
 
 #include "conceg/rng.h"
+#include "lattice.hpp"
 #include "wrap.hpp"
 
 #include <algorithm>
@@ -13,7 +14,9 @@ namespace {
 
 constexpr double kNodeLimit = 4294967295.0; // ids are u32
 constexpr double kSmallestSide = 0.0625;    // um; many lattice steps
-constexpr std::size_t kBlock = 4096;        // nodes made between two progress reports of a worker
+constexpr double kHaloUniform = 3.8; // of density^(-1/3): twice the largest empty sphere seen, and a tenth
+constexpr double kHaloMargin = 1e-4; // um; above the certificate's own safety
+constexpr std::size_t kBlock = 4096; // nodes made between two progress reports of a worker
 
 // A node with its place on the curve; `draw` names the random draw that made it.
 struct Node {
@@ -41,11 +44,6 @@ std::uint64_t spread(std::uint64_t x) {
   x = (x | x << 8) & 0x100f00f00f00f00full;
   x = (x | x << 4) & 0x10c30c30c30c30c3ull;
   return (x | x << 2) & 0x1249249249249249ull;
-}
-
-// Side of the cubic cell that holds two nodes.
-double cell_side(double density) {
-  return conceg_pow(2.0 / density, 1.0 / 3.0);
 }
 
 // Position on the Morton curve through blocks of one node spacing.
@@ -78,34 +76,6 @@ glm::dvec3 uniform_node(const conceg_box &box, std::uint64_t seed, std::uint64_t
                          ? between(box.lo[axis], side, rng)
                          : box.lo[axis] + static_cast<double>(conceg_rng_below(&rng, lattice_steps(side))) *
                                               CONCEG_LATTICE_STEP_UM;
-  }
-  return position;
-}
-
-// Number of cubic cells of the lattice along each axis: the nearest one that fits the box.
-std::array<std::uint64_t, 3> bcc_cells(const conceg_box &box, double density) {
-  const double cell = cell_side(density);
-  std::array<std::uint64_t, 3> cells;
-  for (int axis = 0; axis < 3; axis++)
-    cells[axis] =
-        std::max<std::uint64_t>(1, static_cast<std::uint64_t>(conceg_box_side(&box, axis) / cell + 0.5));
-  return cells;
-}
-
-// Corner (body 0) or centre (body 1) node of one cubic cell; a quarter cell off the cell's faces, so that a
-// jitter below a quarter keeps it in its cell.
-glm::dvec3 bcc_node(const conceg_box &box, const std::array<std::uint64_t, 3> &cells, std::uint64_t draw,
-                    const NodeOptions &options) {
-  conceg_rng rng = conceg_rng_stream(options.seed, "triangulate.bcc", draw);
-  const std::uint64_t body = draw & 1, block = draw >> 1;
-  const std::array<std::uint64_t, 3> at = {block % cells[0], block / cells[0] % cells[1],
-                                           block / cells[0] / cells[1]};
-  glm::dvec3 position;
-  for (int axis = 0; axis < 3; axis++) {
-    const double cell = conceg_box_side(&box, axis) / static_cast<double>(cells[axis]);
-    const double shift = options.jitter * (2.0 * conceg_rng_uniform(&rng) - 1.0);
-    position[axis] = conceg_snap(box.lo[axis] + cell * (static_cast<double>(at[axis]) + 0.25 +
-                                                        0.5 * static_cast<double>(body) + shift));
   }
   return position;
 }
@@ -160,25 +130,41 @@ void order_without_doubles(const conceg_box &box, const NodeOptions &options, do
   }
 }
 
-} // namespace
-
-std::vector<glm::dvec3> make_nodes(const conceg_box &box, const NodeOptions &options, Workers &workers,
-                                   const Progress &progress) {
+void check_box(const conceg_box &box) {
   for (int axis = 0; axis < 3; axis++)
     if (!(conceg_box_side(&box, axis) >= kSmallestSide))
       fail(CONCEG_E_RANGE, "/domain: expected a side of at least %g um on axis %d, got %g um", kSmallestSide,
            axis, conceg_box_side(&box, axis));
-  const double expected = options.density_per_um3 * volume(box);
+}
+
+void check_count(double expected, const char *remedy) {
   if (!(expected < kNodeLimit))
-    fail(CONCEG_E_RANGE,
-         "density_per_um3: expected fewer than 2^32 nodes in the box, got %.3g; ask for a lower density or a "
-         "smaller box",
-         expected);
-  const double spacing = cell_side(options.density_per_um3);
-  const auto cells = bcc_cells(box, options.density_per_um3);
+    fail(CONCEG_E_RANGE, "density_per_um3: expected fewer than 2^32 nodes in the box, got %.3g; ask for %s",
+         expected, remedy);
+}
+
+} // namespace
+
+void check_nodes(const conceg_box &box, const NodeOptions &options) {
+  check_box(box);
+  check_count(options.density_per_um3 * volume(box), "a lower density or a smaller box");
+}
+
+double first_halo_um(const conceg_box &box, const NodeOptions &options) {
+  if (options.set == NodeSet::uniform) return kHaloUniform * conceg_pow(options.density_per_um3, -1.0 / 3.0);
+  // A node's cells have circumspheres without a node inside, which reach twice the radius at most.
+  const Lattice lattice = lattice_of(box, options.density_per_um3);
+  return 2.0 * empty_radius_um(lattice, options.jitter, !options.levels.empty()) + kHaloMargin;
+}
+
+std::vector<glm::dvec3> make_nodes(const conceg_box &box, const NodeOptions &options, Workers &workers,
+                                   const Progress &progress) {
+  check_nodes(box, options);
+  const double expected = options.density_per_um3 * volume(box);
   const bool bcc = options.set == NodeSet::bcc;
-  const std::uint64_t count =
-      bcc ? 2 * cells[0] * cells[1] * cells[2] : static_cast<std::uint64_t>(expected + 0.5);
+  const CellNodes cell_nodes(lattice_of(box, options.density_per_um3), options.levels);
+  const std::uint64_t count = bcc ? cell_nodes.count() : static_cast<std::uint64_t>(expected + 0.5);
+  check_count(static_cast<double>(count), "a lower density, fewer grade_levels or a smaller box");
   if (count == 0)
     fail(CONCEG_E_RANGE,
          "density_per_um3: expected at least one node in the box, got %g um^-3 x %g um3; ask for a higher "
@@ -187,16 +173,23 @@ std::vector<glm::dvec3> make_nodes(const conceg_box &box, const NodeOptions &opt
   std::vector<glm::dvec3> faces;
   if (options.mirrored_faces) add_face_nodes(box, options, faces);
 
+  const double spacing = cell_side(options.density_per_um3);
   std::vector<Node> nodes(count + faces.size());
   std::atomic<std::uint64_t> made{0};
   workers.loop((nodes.size() + kBlock - 1) / kBlock, 1, [&](std::size_t block, unsigned) {
     const std::size_t end = std::min(nodes.size(), (block + 1) * kBlock);
+    std::uint64_t cell = bcc ? cell_nodes.cell_of(block * kBlock) : 0;
     for (std::size_t i = block * kBlock; i < end; i++) {
       Node &node = nodes[i];
       node.draw = i;
-      node.position = i >= count ? faces[i - count]
-                      : bcc      ? bcc_node(box, cells, i, options)
-                                 : uniform_node(box, options.seed, i, 0, options.mirrored_faces);
+      if (i >= count) {
+        node.position = faces[i - count];
+      } else if (bcc) {
+        cell = cell_nodes.cell_of(i, cell);
+        node.position = cell_nodes.node(i, cell, options.jitter, options.seed);
+      } else {
+        node.position = uniform_node(box, options.seed, i, 0, options.mirrored_faces);
+      }
       node.curve = curve_of(box, node.position, spacing);
     }
     report(progress, "nodes", made += end - block * kBlock, nodes.size());

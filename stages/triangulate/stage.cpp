@@ -3,6 +3,7 @@
 #include "delaunay.hpp"
 #include "nodes.hpp"
 #include "radius.hpp"
+#include "tissue.hpp"
 
 #include "conceg/portable.h"
 #include "conceg/stage.h"
@@ -17,60 +18,8 @@ namespace {
 using namespace conceg;
 using namespace conceg::triangulate;
 
-// First halo in units of density^(-1/3): twice the largest empty sphere seen in 2 million nodes, and a tenth
-// more.
-constexpr double kHaloBcc = 2.2, kHaloUniform = 3.8;
-
-constexpr double kFarthest = 1e7; // um
-
-conceg_box lattice_box(conceg_doc *doc) {
-  const conceg_box box = read_box(doc);
-  for (int axis = 0; axis < 3; axis++)
-    if (conceg_snap(box.lo[axis]) != box.lo[axis] || conceg_snap(box.hi[axis]) != box.hi[axis])
-      fail(CONCEG_E_RANGE,
-           "/domain: expected corners on the lattice of 2^-16 um, got %.9g and %.9g on axis %d; place rounds "
-           "them",
-           box.lo[axis], box.hi[axis], axis);
-  return box;
-}
-
-std::vector<Soma> read_somas(conceg_doc *doc) {
-  const View<double> center = view<double>(doc, "/cells/soma", 3);
-  const View<float> radius = view<float>(doc, "/cells/radius");
-  if (center.rows() != radius.rows())
-    fail(CONCEG_E_FORMAT, "/cells/radius: expected %zu rows as in /cells/soma, got %zu", center.rows(),
-         radius.rows());
-  std::vector<Soma> somas(center.rows());
-  for (std::size_t i = 0; i < somas.size(); i++) {
-    somas[i] = {{center.row(i)[0], center.row(i)[1], center.row(i)[2]}, static_cast<double>(radius[i])};
-    for (int axis = 0; axis < 3; axis++)
-      if (!(std::fabs(somas[i].center[axis]) < kFarthest))
-        fail(CONCEG_E_RANGE, "/cells/soma[%zu]: expected coordinates within %g um, got %g", i, kFarthest,
-             somas[i].center[axis]);
-    if (!(somas[i].radius >= 0.0 && somas[i].radius < kFarthest))
-      fail(CONCEG_E_RANGE, "/cells/radius[%zu]: expected 0 um or more, got %g", i, somas[i].radius);
-  }
-  return somas;
-}
-
-// Largest radius that any bar asks for, um: r(pl) = max(radius + taper (pl - (start + end) / 2),
-// radius_floor).
-double largest_target(conceg_doc *doc) {
-  const View<double> radius = view<double>(doc, "/bars/radius");
-  const auto column = [&](const char *path) {
-    const View<double> values = view<double>(doc, path);
-    if (values.rows() != radius.rows())
-      fail(CONCEG_E_FORMAT, "%s: expected %zu rows as in /bars/radius, got %zu", path, radius.rows(),
-           values.rows());
-    return values;
-  };
-  const View<double> start = column("/bars/asked_start"), end = column("/bars/asked_end");
-  const View<double> taper = column("/bars/taper"), floor = column("/bars/radius_floor");
-  double largest = 0.0;
-  for (std::size_t i = 0; i < radius.rows(); i++)
-    largest = std::max({largest, floor[i], radius[i] + std::fabs(taper[i]) * 0.5 * (end[i] - start[i])});
-  return std::min(largest, kFarthest);
-}
+// Mean edge in units of density^(-1/3), measured, and the longest edge that grow takes by default.
+constexpr double kMeanEdgeBcc = 1.2, kMeanEdgeUniform = 1.29, kLongestStepUm = 2.0;
 
 template <class T>
 T *new_array(conceg_doc *doc, const char *path, std::uint64_t rows, std::uint64_t columns = 1) {
@@ -80,20 +29,68 @@ T *new_array(conceg_doc *doc, const char *path, std::uint64_t rows, std::uint64_
   return static_cast<T *>(storage);
 }
 
+// A network that growth cannot follow is legal, but hardly what was wanted.
+void warn_if_sparse(conceg_ctx *ctx, const NodeOptions &options, double largest_target_um) {
+  const double spacing = conceg_pow(options.density_per_um3, -1.0 / 3.0);
+  const double edge = spacing * (options.set == NodeSet::uniform ? kMeanEdgeUniform : kMeanEdgeBcc);
+  const auto density_for = [&](double factor) { return options.density_per_um3 * factor * factor * factor; };
+  if (edge > kLongestStepUm)
+    conceg_ctx_log(
+        ctx, CONCEG_LOG_WARNING,
+        "triangulate: density_per_um3: expected edges of at most %g um on average (the longest step of "
+        "grow), got %.3g um; ask for %.2g um^-3 or more",
+        kLongestStepUm, edge, density_for(edge / kLongestStepUm));
+  if (largest_target_um > 0.0 && spacing > 2.0 * largest_target_um)
+    conceg_ctx_log(
+        ctx, CONCEG_LOG_WARNING,
+        "triangulate: density_per_um3: expected nodes no further apart than the thickest process is wide "
+        "(%.3g um), got %.3g um; ask for %.2g um^-3 or more",
+        2.0 * largest_target_um, spacing, density_for(0.5 * spacing / largest_target_um));
+}
+
+std::vector<std::uint8_t> grade(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params,
+                                const Lattice &lattice, const std::vector<Soma> &somas) {
+  const auto finest = static_cast<unsigned>(conceg_params_i64(params, "grade_levels"));
+  const double spacing = conceg_pow(conceg_params_f64(params, "density_per_um3"), -1.0 / 3.0);
+  std::vector<Zone> zones = soma_zones(somas, finest, conceg_params_f64(params, "grade_distance_um"));
+  const std::vector<Zone> thin =
+      thin_zones(read_territories(doc, somas), spacing, conceg_params_f64(params, "grade_spacing_radii"),
+                 conceg_params_f64(params, "grade_territory_um"), finest);
+  zones.insert(zones.end(), thin.begin(), thin.end());
+  std::vector<std::uint8_t> levels = grade_levels(lattice, zones, somas);
+  const auto nodes = nodes_by_level(levels);
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_INFO,
+      "triangulate: graded for %zu somas and %zu territories of thin processes: %llu nodes of level 0, "
+      "%llu of 1, %llu of 2",
+      somas.size(), thin.size(), static_cast<unsigned long long>(nodes[0]),
+      static_cast<unsigned long long>(nodes[1]), static_cast<unsigned long long>(nodes[2]));
+  return levels;
+}
+
+NodeOptions read_node_options(conceg_ctx *ctx, const conceg_params *params) {
+  NodeOptions options;
+  options.set = std::strcmp(conceg_params_text(params, "nodes"), "uniform") ? NodeSet::bcc : NodeSet::uniform;
+  options.density_per_um3 = conceg_params_f64(params, "density_per_um3");
+  options.jitter = conceg_params_f64(params, "jitter");
+  options.mirrored_faces = std::strcmp(conceg_params_text(params, "faces"), "mirrored") == 0;
+  options.seed = conceg_ctx_seed(ctx);
+  return options;
+}
+
 void triangulate_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
-  const conceg_box box = lattice_box(doc);
+  const conceg_box box = read_lattice_box(doc);
   const std::vector<Soma> somas = read_somas(doc);
-  const double cap = largest_target(doc) + conceg_params_f64(params, "radius_margin_um");
+  const double largest_target = largest_target_um(doc);
+  const double cap = largest_target + conceg_params_f64(params, "radius_margin_um");
   const Progress progress = progress_of(ctx);
   Workers workers(conceg_ctx_threads(ctx));
 
-  NodeOptions node_options;
-  node_options.set =
-      std::strcmp(conceg_params_text(params, "nodes"), "uniform") ? NodeSet::bcc : NodeSet::uniform;
-  node_options.density_per_um3 = conceg_params_f64(params, "density_per_um3");
-  node_options.jitter = conceg_params_f64(params, "jitter");
-  node_options.mirrored_faces = std::strcmp(conceg_params_text(params, "faces"), "mirrored") == 0;
-  node_options.seed = conceg_ctx_seed(ctx);
+  NodeOptions node_options = read_node_options(ctx, params);
+  warn_if_sparse(ctx, node_options, largest_target);
+  check_nodes(box, node_options);
+  if (std::strcmp(conceg_params_text(params, "nodes"), "graded") == 0)
+    node_options.levels = grade(ctx, doc, params, lattice_of(box, node_options.density_per_um3), somas);
   const std::vector<glm::dvec3> nodes = make_nodes(box, node_options, workers, progress);
   workers.count(ctx, "triangulate.node_blocks");
   put3(doc, "/network/position", nodes);
@@ -102,8 +99,7 @@ void triangulate_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params 
 
   DelaunayOptions options;
   options.tile_um = conceg_params_f64(params, "tile_um");
-  options.halo_um = (node_options.set == NodeSet::bcc ? kHaloBcc : kHaloUniform) *
-                    conceg_pow(node_options.density_per_um3, -1.0 / 3.0);
+  options.halo_um = first_halo_um(box, node_options);
   options.mirrored_faces = node_options.mirrored_faces;
   Edges edges = delaunay_edges(box, nodes, options, workers, progress);
   workers.count(ctx, "triangulate.tiles");
@@ -124,11 +120,25 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
 
 const conceg_param kParams[] = {
     {"nodes", "",
-     "node set: body-centred cubic with a random shift, or independent uniform nodes as in the paper", "bcc",
-     "bcc|uniform", CONCEG_PARAM_CHOICE, 0, 0, 0},
+     "node set: body-centred cubic with a random shift, independent uniform nodes as in the paper, or bcc "
+     "made "
+     "finer near somas and where thin processes grow",
+     "bcc", "bcc|uniform|graded", CONCEG_PARAM_CHOICE, 0, 0, 0},
     {"density_per_um3", "um^-3", "nodes per um3", "2", nullptr, CONCEG_PARAM_F64, 0, 1e-4, 1e3},
-    {"jitter", "1", "bcc: largest random shift along each axis, in sides of the cubic cell of two nodes",
-     "0.2", nullptr, CONCEG_PARAM_F64, 0, 0, 0.24},
+    {"jitter", "1",
+     "bcc, graded: largest random shift along each axis, in sides of the cubic cell of two nodes", "0.2",
+     nullptr, CONCEG_PARAM_F64, 0, 0, 0.24},
+    {"grade_levels", "1", "graded: how often the node spacing may be halved", "1", nullptr, CONCEG_PARAM_I64,
+     0, 0, kFinestLevel},
+    {"grade_distance_um", "um",
+     "graded: finest up to this distance from somas; each coarser level as far again", "2", nullptr,
+     CONCEG_PARAM_F64, 0, 0, 100},
+    {"grade_spacing_radii", "1",
+     "graded: node spacing asked for where a compact cell grows, in mean radii of its processes", "2",
+     nullptr, CONCEG_PARAM_F64, 0, 0.5, 10},
+    {"grade_territory_um", "um",
+     "graded: cells whose processes reach farther than this on average are no such place", "30", nullptr,
+     CONCEG_PARAM_F64, 0, 0, 1000},
     {"faces", "", "periodic sides: seamless, or the paper's nodes on the faces, mirrored on opposing sides",
      "seamless", "seamless|mirrored", CONCEG_PARAM_CHOICE, 0, 0, 0},
     {"radius_margin_um", "um",

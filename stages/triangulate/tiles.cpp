@@ -64,7 +64,45 @@ double Buckets::edge(int axis, std::int64_t bucket) const {
   return bucket == count_[axis] ? box_.hi[axis] : box_.lo[axis] + width_[axis] * static_cast<double>(bucket);
 }
 
-std::vector<Tile> cut_tiles(const Buckets &buckets, double tile_um, std::size_t least) {
+std::uint64_t Buckets::nodes_within(const std::array<std::int64_t, 3> &first,
+                                    const std::array<std::int64_t, 3> &last) const {
+  std::uint64_t nodes = 0;
+  for (std::int64_t x = first[0]; x < last[0]; x++)
+    for (std::int64_t y = first[1]; y < last[1]; y++) {
+      const auto row =
+          static_cast<std::size_t>((x * count_[1] + y) * count_[2]); // along z they follow one another
+      nodes += offset_[row + static_cast<std::size_t>(last[2])] -
+               offset_[row + static_cast<std::size_t>(first[2])];
+    }
+  return nodes;
+}
+
+namespace {
+
+// Adds the tile, or its halves when it is too full and has buckets left to share.
+void add_halved(const Buckets &buckets, const Tile &tile, std::uint64_t most_nodes,
+                std::vector<Tile> &tiles) {
+  int longest = 0;
+  const auto length = [&](int axis) {
+    return buckets.edge(axis, tile.last[axis]) - buckets.edge(axis, tile.first[axis]);
+  };
+  for (int axis = 1; axis < 3; axis++)
+    if (length(axis) > length(longest)) longest = axis;
+  const std::int64_t middle = (tile.first[longest] + tile.last[longest]) / 2;
+  if (middle == tile.first[longest] || buckets.nodes_within(tile.first, tile.last) <= most_nodes) {
+    tiles.push_back(tile);
+    return;
+  }
+  Tile lower = tile, upper = tile;
+  lower.last[longest] = upper.first[longest] = middle;
+  add_halved(buckets, lower, most_nodes, tiles);
+  add_halved(buckets, upper, most_nodes, tiles);
+}
+
+} // namespace
+
+std::vector<Tile> cut_tiles(const Buckets &buckets, double tile_um, std::size_t least,
+                            std::uint64_t most_nodes) {
   std::array<std::int64_t, 3> parts;
   for (int axis = 0; axis < 3; axis++) {
     const double side = conceg_box_side(&buckets.box(), axis);
@@ -92,7 +130,7 @@ std::vector<Tile> cut_tiles(const Buckets &buckets, double tile_um, std::size_t 
           tile.first[axis] = buckets.count(axis) * at[axis] / parts[axis];
           tile.last[axis] = buckets.count(axis) * (at[axis] + 1) / parts[axis];
         }
-        tiles.push_back(tile);
+        add_halved(buckets, tile, most_nodes, tiles);
       }
   return tiles;
 }
@@ -110,6 +148,7 @@ Region region_of(const Buckets &buckets, const Tile &tile, double halo_um) {
 struct Gather {
   const Buckets &buckets;
   const Tile &tile;
+  const double halo_um;
   const Region region;
   std::vector<Copy> core, halo;
 
@@ -134,8 +173,10 @@ struct Gather {
     for (int axis = 0; axis < 3; axis++) {
       const Origin &o = origin[axis];
       if (o.sides < -127 || o.sides > 127)
-        fail(CONCEG_E_RANGE, "/domain: expected a side of more than 1/100 of the halo on axis %d, got %g um",
-             axis, conceg_box_side(&buckets.box_, axis));
+        fail(CONCEG_E_RANGE,
+             "/domain: expected a side of more than 1/100 of the halo of %g um on axis %d, got %g um; ask "
+             "for a larger box or a higher density_per_um3",
+             halo_um, axis, conceg_box_side(&buckets.box_, axis));
       ghost = ghost || (!buckets.box_.periodic[axis] && o.sides != 0);
       core_bucket = core_bucket && o.sides == 0 && o.bucket >= tile.first[axis] && o.bucket < tile.last[axis];
       index = index * static_cast<std::uint64_t>(buckets.count_[axis]) + static_cast<std::uint64_t>(o.bucket);
@@ -161,7 +202,7 @@ struct Gather {
 };
 
 std::vector<Copy> gather_copies(const Buckets &buckets, const Tile &tile, double halo_um) {
-  Gather gather{buckets, tile, region_of(buckets, tile, halo_um), {}, {}};
+  Gather gather{buckets, tile, halo_um, region_of(buckets, tile, halo_um), {}, {}};
   gather.run();
   std::sort(gather.core.begin(), gather.core.end(),
             [](const Copy &a, const Copy &b) { return a.node < b.node; });

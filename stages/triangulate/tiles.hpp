@@ -32,6 +32,9 @@ public:
   const conceg_box &box() const { return box_; }
   std::int64_t count(int axis) const { return count_[axis]; }
   double edge(int axis, std::int64_t bucket) const;
+  // Number of nodes in buckets first[a] .. last[a] - 1 on each axis.
+  std::uint64_t nodes_within(const std::array<std::int64_t, 3> &first,
+                             const std::array<std::int64_t, 3> &last) const;
 
 private:
   friend struct Gather;
@@ -53,8 +56,10 @@ struct Region {
   std::array<double, 3> lo, hi;
 };
 
-// Equal tiles of at most `tile_um` on a side, and at least `least` of them where the buckets allow it.
-std::vector<Tile> cut_tiles(const Buckets &buckets, double tile_um, std::size_t least);
+// Equal tiles of at most `tile_um` on a side, and at least `least` of them where the buckets allow it. One
+// with more than `most_nodes` nodes is halved, again and again.
+std::vector<Tile> cut_tiles(const Buckets &buckets, double tile_um, std::size_t least,
+                            std::uint64_t most_nodes);
 
 Region region_of(const Buckets &buckets, const Tile &tile, double halo_um);
 

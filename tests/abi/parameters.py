@@ -66,6 +66,10 @@ texts = {
 needs = {
     "characterise.beside": ["--pictures", "{work}/pictures"],
     "export.ascii": ["--to", "ply"],
+    "triangulate.grade_levels": ["--nodes", "graded"],
+    "triangulate.grade_distance_um": ["--nodes", "graded"],
+    "triangulate.grade_spacing_radii": ["--nodes", "graded", "--grade-territory-um", "1000"],
+    "triangulate.grade_territory_um": ["--nodes", "graded", "--grade-spacing-radii", "0.5"],
     "render.cut_axis": ["--what", "cut"],
     "render.cut_position": ["--what", "cut"],
 }

@@ -1,128 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The network's edges: equal to CGAL's own periodic triangulation, and the same for any tiles, threads and
-// translation.
+// The network's edges: the same for any tiles, threads and translation; small and open boxes; the paper's
+// faces.
 #include "../circumsphere.hpp"
-#include "../delaunay.hpp"
-#include "../nodes.hpp"
+#include "network.hpp"
 
 #include "check.h"
-#include "wrap.hpp"
-
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Periodic_3_Delaunay_triangulation_3.h>
-#include <CGAL/Periodic_3_Delaunay_triangulation_traits_3.h>
-
-#include <algorithm>
-#include <array>
-#include <map>
-#include <set>
 
 using namespace conceg;
 using namespace conceg::triangulate;
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
-// A directed edge: from, to, shift.
-using Edge = std::array<std::int64_t, 5>;
-
-struct Network {
-  std::vector<std::uint64_t> offset;
-  std::vector<std::uint32_t> neighbour;
-  std::vector<std::int8_t> shift;
-  bool operator==(const Network &o) const {
-    return offset == o.offset && neighbour == o.neighbour && shift == o.shift;
-  }
-  std::set<Edge> edges() const {
-    std::set<Edge> out;
-    for (std::size_t i = 0; i + 1 < offset.size(); i++)
-      for (std::uint64_t k = offset[i]; k < offset[i + 1]; k++)
-        out.insert(
-            {static_cast<std::int64_t>(i), neighbour[k], shift[3 * k], shift[3 * k + 1], shift[3 * k + 2]});
-    return out;
-  }
-};
-
-static conceg_box cube(double side, bool periodic = true) {
-  conceg_box box = {};
-  for (int axis = 0; axis < 3; axis++)
-    box.lo[axis] = -1.25, box.hi[axis] = -1.25 + side, box.periodic[axis] = periodic;
-  return box;
-}
-
-static std::vector<glm::dvec3> nodes_of(const conceg_box &box, NodeSet set, double density = 2.0,
-                                        bool mirrored = false) {
-  Workers workers(1);
-  NodeOptions options;
-  options.set = set;
-  options.density_per_um3 = density;
-  options.mirrored_faces = mirrored;
-  return make_nodes(box, options, workers, {});
-}
-
-static Network network_of(const conceg_box &box, const std::vector<glm::dvec3> &nodes, double tile,
-                          double halo, unsigned threads, bool mirrored = false,
-                          std::uint64_t *widened = nullptr) {
-  Workers workers(threads);
-  Edges edges = delaunay_edges(box, nodes, {tile, halo, mirrored}, workers, {});
-  if (widened) *widened = edges.widened;
-  Network network;
-  network.offset.resize(nodes.size() + 1);
-  network.neighbour.resize(edges.count);
-  network.shift.resize(3 * edges.count);
-  merge_tiles(std::move(edges), nodes.size(), network.offset.data(), network.neighbour.data(),
-              network.shift.data());
-  return network;
-}
-
-static bool symmetric(const std::set<Edge> &edges) {
-  return std::all_of(edges.begin(), edges.end(), [&](const Edge &e) {
-    return edges.count({e[1], e[0], -e[2], -e[3], -e[4]}) == 1;
-  });
-}
-
-static std::set<Edge> by_periodic_3(const conceg_box &box, const std::vector<glm::dvec3> &nodes) {
-  using Traits = CGAL::Periodic_3_Delaunay_triangulation_traits_3<Kernel>;
-  using Periodic = CGAL::Periodic_3_Delaunay_triangulation_3<Traits>;
-  std::map<std::array<double, 3>, std::uint32_t> id;
-  std::vector<Kernel::Point_3> points;
-  for (std::size_t i = 0; i < nodes.size(); i++) {
-    id[{nodes[i].x, nodes[i].y, nodes[i].z}] = static_cast<std::uint32_t>(i);
-    points.emplace_back(nodes[i].x, nodes[i].y, nodes[i].z);
-  }
-  const Periodic::Iso_cuboid cuboid(box.lo[0], box.lo[1], box.lo[2], box.hi[0], box.hi[1], box.hi[2]);
-  Periodic periodic(cuboid);
-  periodic.insert(points.begin(), points.end(), true);
-  std::set<Edge> edges;
-  for (auto cell = periodic.finite_cells_begin(); cell != periodic.finite_cells_end(); ++cell)
-    for (int i = 0; i < 4; i++)
-      for (int j = 0; j < 4; j++) {
-        if (i == j) continue;
-        const auto a = periodic.periodic_point(cell, i), b = periodic.periodic_point(cell, j);
-        const auto node = [&](const auto &p) { return id.at({p.first.x(), p.first.y(), p.first.z()}); };
-        edges.insert({node(a), node(b), b.second[0] - a.second[0], b.second[1] - a.second[1],
-                      b.second[2] - a.second[2]});
-      }
-  return edges;
-}
-
-static void test_equals_periodic_3() {
-  const conceg_box box = cube(12);
-  for (const NodeSet set : {NodeSet::bcc, NodeSet::uniform}) {
-    const auto nodes = nodes_of(box, set);
-    const Network network = network_of(box, nodes, 6, 3, 1);
-    const std::set<Edge> edges = network.edges();
-    CHECK_EQUAL(edges.size(), network.neighbour.size());
-    CHECK(symmetric(edges));
-    CHECK(edges == by_periodic_3(box, nodes));
-    const double degree = static_cast<double>(edges.size()) / static_cast<double>(nodes.size());
-    CHECK_NEAR(degree, set == NodeSet::bcc ? 14.3 : 15.54, 0.2); // uniform: 2 + 48 pi^2 / 35 in theory
-  }
+static bool has_edge(const std::vector<Edge> &edges, const Edge &edge) {
+  return std::binary_search(edges.begin(), edges.end(), edge);
 }
 
 static void test_tiles_and_threads() {
   conceg_box box = cube(12);
   box.hi[1] = box.lo[1] + 17.5;
-  for (const NodeSet set : {NodeSet::bcc, NodeSet::uniform}) {
-    const auto nodes = nodes_of(box, set);
+  for (const auto &nodes :
+       {nodes_of(box, NodeSet::bcc), nodes_of(box, NodeSet::uniform), graded_nodes(box)}) {
     const Network whole = network_of(box, nodes, 100, 3, 1);
     for (const double tile : {4.0, 7.0})
       for (const unsigned threads : {1u, 2u, 3u})
@@ -130,7 +25,35 @@ static void test_tiles_and_threads() {
     std::uint64_t widened = 0; // a halo that is too thin is noticed and widened, and the edges stay right
     CHECK(whole == network_of(box, nodes, 6, 0.4, 2, false, &widened));
     CHECK(widened > 0);
+    DelaunayOptions
+        crowded; // two tiles by their size, halved until none holds more than 500 nodes or is one bucket
+    crowded.tile_um = 100, crowded.tile_nodes = 500;
+    Workers workers(2);
+    CHECK(delaunay_edges(box, nodes, crowded, workers, {}).tiles.size() > 10);
+    CHECK(whole == network_of(box, nodes, crowded, 2));
   }
+}
+
+// Whatever the draws and the levels, no empty sphere is larger than the lattice allows, so that the first
+// halo is always wide enough.
+static void test_halo_of_lattice() {
+  conceg_box box = cube(11);
+  box.hi[2] = box.lo[2] + 13.25; // cells are no cubes
+  for (const double jitter : {0.0, 0.2, 0.24})
+    for (const bool graded : {false, true}) {
+      NodeOptions options = graded ? graded_options(box) : NodeOptions{};
+      options.jitter = jitter;
+      Workers workers(2);
+      const auto nodes = make_nodes(box, options, workers, {});
+      DelaunayOptions delaunay;
+      delaunay.tile_um = 5, delaunay.halo_um = first_halo_um(box, options);
+      std::uint64_t widened = 0;
+      double largest = 0.0;
+      network_of(box, nodes, delaunay, 2, &widened, &largest);
+      CHECK_EQUAL(widened, 0);
+      CHECK(largest <= empty_radius_um(lattice_of(box, options.density_per_um3), jitter, graded));
+      CHECK(largest > 0.5 * empty_radius_um(lattice_of(box, options.density_per_um3), jitter, graded));
+    }
 }
 
 static void test_translation() {
@@ -143,12 +66,13 @@ static void test_translation() {
     moved.push_back(wrap(box, p + vector));
     lifts.push_back(lift(box, p + vector));
   }
-  std::set<Edge> expected;
+  std::vector<Edge> expected;
   for (Edge e : network_of(box, nodes, 5, 3, 1).edges()) {
     for (int axis = 0; axis < 3; axis++)
       e[2 + axis] += lifts[e[1]][axis] - lifts[e[0]][axis];
-    expected.insert(e);
+    expected.push_back(e);
   }
+  std::sort(expected.begin(), expected.end());
   CHECK(expected == network_of(box, moved, 5, 3, 1).edges());
 }
 
@@ -157,7 +81,7 @@ static void test_small_box() {
   conceg_box box = cube(1.5);
   const auto nodes = nodes_of(box, NodeSet::uniform);
   CHECK_EQUAL(nodes.size(), 7);
-  const std::set<Edge> edges = network_of(box, nodes, 50, 3, 1).edges();
+  const std::vector<Edge> edges = network_of(box, nodes, 50, 3, 1).edges();
   CHECK(symmetric(edges));
   CHECK(std::any_of(edges.begin(), edges.end(), [](const Edge &e) { return e[0] == e[1]; }));
   // The same nodes repeated 4 x 4 x 4 times make the same tissue, now in a box that is not small.
@@ -179,7 +103,7 @@ static void test_open_sides() {
   const auto nodes = nodes_of(open, NodeSet::uniform);
   const Network network = network_of(open, nodes, 100, 3, 1);
   CHECK(network == network_of(open, nodes, 4, 3, 2));
-  const std::set<Edge> edges = network.edges(), torus = network_of(closed, nodes, 100, 3, 1).edges();
+  const std::vector<Edge> edges = network.edges(), torus = network_of(closed, nodes, 100, 3, 1).edges();
   CHECK(symmetric(edges));
   double longest = 0.0;
   const auto deep = [&](std::int64_t i) {
@@ -194,7 +118,7 @@ static void test_open_sides() {
     longest = std::max(longest, std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z));
     if (!deep(e[0])) continue;
     inside++;
-    CHECK(torus.count(e) == 1);
+    CHECK(has_edge(torus, e));
   }
   CHECK(inside > 1000);
   CHECK(longest < 4.0);
@@ -206,7 +130,7 @@ static void test_mirrored_faces() {
   const auto nodes = nodes_of(box, NodeSet::uniform, 2.0, true);
   const Network network = network_of(box, nodes, 50, 3, 1, true);
   CHECK(network == network_of(box, nodes, 4, 3, 3, true));
-  const std::set<Edge> edges = network.edges();
+  const std::vector<Edge> edges = network.edges();
   CHECK_EQUAL(edges.size(), network.neighbour.size());
   CHECK(symmetric(edges));
   std::size_t crossing = 0;
@@ -237,6 +161,21 @@ static void test_circumsphere() {
   CHECK(!circumsphere({a, b, c, off}, sphere));
 }
 
+// So small a box that the halo would take more images of a node than a shift can count.
+static void test_tiny_box() {
+  const conceg_box box = cube(0.0625);
+  const auto nodes = nodes_of(box, NodeSet::bcc, 1e-4);
+  CHECK_EQUAL(nodes.size(), 2);
+  std::string line;
+  try {
+    network_of(box, nodes, 50, 50, 1);
+  } catch (const Error &error) {
+    line = error.what();
+  }
+  CHECK(line.find("/domain: expected a side of more than 1/100 of the halo") != std::string::npos);
+  CHECK(line.find("density_per_um3") != std::string::npos);
+}
+
 // A caller that says stop ends the run, from any worker.
 static void test_cancel() {
   const conceg_box box = cube(12);
@@ -245,7 +184,7 @@ static void test_cancel() {
     Workers workers(threads);
     conceg_status status = CONCEG_OK;
     try {
-      delaunay_edges(box, nodes, {4, 3, false}, workers,
+      delaunay_edges(box, nodes, {4, 3}, workers,
                      [](const char *, std::uint64_t, std::uint64_t) { return false; });
     } catch (const Error &error) {
       status = error.status();
@@ -257,10 +196,11 @@ static void test_cancel() {
 int main() {
   test_cancel();
   test_circumsphere();
-  test_equals_periodic_3();
   test_tiles_and_threads();
+  test_halo_of_lattice();
   test_translation();
   test_small_box();
+  test_tiny_box();
   test_open_sides();
   test_mirrored_faces();
   return check_done();
