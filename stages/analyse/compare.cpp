@@ -38,20 +38,6 @@ double value_of(const Shape &shape, Measure measure) {
   }
 }
 
-MeanSd mean_of(const std::vector<double> &values) {
-  MeanSd out;
-  out.count = values.size();
-  if (values.empty()) return out;
-  for (const double value : values)
-    out.mean += value;
-  out.mean /= static_cast<double>(values.size());
-  if (values.size() < 2) return out;
-  for (const double value : values)
-    out.sd += (value - out.mean) * (value - out.mean);
-  out.sd = std::sqrt(out.sd / static_cast<double>(values.size() - 1));
-  return out;
-}
-
 double error_of(const MeanSd &m) {
   return m.count ? m.sd / std::sqrt(static_cast<double>(m.count)) : 0.0;
 }

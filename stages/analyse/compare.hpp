@@ -3,6 +3,7 @@
 #pragma once
 
 #include "bars.hpp"
+#include "mean_sd.hpp"
 #include "shape.hpp"
 
 #include <array>
@@ -37,10 +38,6 @@ enum class Measure { order, branch_length, local_angle, cable, tips, straightnes
 const char *name_of(Measure measure);
 const char *unit_of(Measure measure);
 
-struct MeanSd {
-  std::uint64_t count = 0;
-  double mean = 0, sd = 0; // of a sample: n - 1; 0 when there are too few
-};
 // Of two means. 0 where one of them has no values; no error with fewer than two.
 struct Difference {
   std::uint64_t count = 0; // values of the smaller side

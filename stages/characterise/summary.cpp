@@ -57,18 +57,6 @@ std::string line_of(const std::string &name, const std::string &cells,
 
 } // namespace
 
-MeanSd mean_of(const std::vector<double> &values) {
-  MeanSd out;
-  out.count = values.size();
-  if (values.empty()) return out;
-  for (const double value : values)
-    out.mean += value / static_cast<double>(values.size());
-  for (const double value : values)
-    out.sd += (value - out.mean) * (value - out.mean);
-  out.sd = values.size() > 1 ? std::sqrt(out.sd / static_cast<double>(values.size() - 1)) : 0.0;
-  return out;
-}
-
 CellRow row_of(const metrics::Group &g, double soma_radius_um, double radius_um) {
   CellRow row;
   row.order = g.order.mean, row.length_um = g.section_length.mean,

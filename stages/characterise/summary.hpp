@@ -2,6 +2,7 @@
 // One row per entry: what its dendrites measure, cell by cell, beside the rows "Real" of the paper's Table 1.
 #pragma once
 
+#include "mean_sd.hpp"
 #include "metrics.hpp"
 #include "statistics_table.hpp"
 
@@ -9,13 +10,6 @@
 #include <vector>
 
 namespace conceg::characterise {
-
-// Mean and spread of a figure; the sd of fewer than two values is 0. Without values: count 0.
-struct MeanSd {
-  std::size_t count = 0;
-  double mean = 0.0, sd = 0.0;
-};
-MeanSd mean_of(const std::vector<double> &values); // sample sd (n - 1)
 
 // One cell's figures: means over its branches (order 1 at the root), forks of two and tips. Angle in degree.
 struct CellRow {

@@ -2,6 +2,7 @@
 // The page of plot.hpp: the one file that knows Cairo.
 #include "guard.hpp"
 #include "plot.hpp"
+#include "xml.hpp"
 
 #include <cairo-svg.h>
 
@@ -23,21 +24,6 @@ cairo_status_t collect(void *out, const unsigned char *bytes, unsigned count) {
   } catch (...) { // no exception may pass through C
     return CAIRO_STATUS_NO_MEMORY;
   }
-}
-
-std::string escaped(const std::string &text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else
-      out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c; // XML has no control characters
-  }
-  return out;
 }
 
 // Cairo names its group by a counter of the process, which would differ from run to run.
@@ -67,7 +53,7 @@ std::string shortened(const std::string &svg) {
 void insert_title(std::string &svg, const std::string &title) {
   const std::size_t root = svg.find("<svg"), end = root == std::string::npos ? root : svg.find('>', root);
   if (end == std::string::npos) fail(CONCEG_E_STAGE, "Cairo: expected an SVG file, got something else");
-  svg.insert(end + 1, "\n<title>" + escaped(title) + "</title>");
+  svg.insert(end + 1, "\n<title>" + escaped_xml(title) + "</title>");
 }
 
 void select_font(cairo_t *cairo, const TextStyle &style) {

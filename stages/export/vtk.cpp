@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtk.hpp"
 
+#include "xml.hpp"
+
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkDoubleArray.h>
@@ -46,21 +48,6 @@ vtkNew<vtkPoints> double_points(std::size_t count) {
   points->SetDataTypeToDouble();
   points->SetNumberOfPoints(static_cast<vtkIdType>(count));
   return points;
-}
-
-std::string quoted_xml(const std::string &text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
 }
 
 } // namespace
@@ -157,8 +144,8 @@ void write_blocks_vtm(const std::string &path, const std::vector<Block> &blocks)
              "byte_order=\"LittleEndian\">\n"
              "  <vtkMultiBlockDataSet>\n");
   for (std::size_t i = 0; i < blocks.size(); i++)
-    file.write("    <DataSet index=\"" + std::to_string(i) + "\" name=\"" + quoted_xml(blocks[i].name) +
-               "\" file=\"" + quoted_xml(blocks[i].file) + "\"/>\n");
+    file.write("    <DataSet index=\"" + std::to_string(i) + "\" name=\"" + escaped_xml(blocks[i].name) +
+               "\" file=\"" + escaped_xml(blocks[i].file) + "\"/>\n");
   file.write("  </vtkMultiBlockDataSet>\n</VTKFile>\n");
   file.commit();
 }

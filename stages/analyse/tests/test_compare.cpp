@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // analyse --compare as the host runs it: figures worked out by hand, planted differences, donors held back.
+#include "../../common/tests/bytes.hpp"
 #include "../compare_input.hpp"
 #include "barcodes.hpp"
 #include "check.h"
@@ -104,11 +105,7 @@ Result run(std::uint32_t threads, const char *compare, const std::function<void(
   out.status = conceg_stage_run(ctx, &conceg_stage_analyse, doc, params);
   out.error = conceg_ctx_error(ctx);
   if (out.status == CONCEG_OK) {
-    void *bytes = nullptr;
-    size_t count = 0;
-    CHECK_EQUAL(conceg_doc_to_memory(doc, &bytes, &count), CONCEG_OK);
-    out.bytes.assign(static_cast<const char *>(bytes), count);
-    conceg_free(bytes);
+    out.bytes = conceg::testing::bytes_of(doc);
     read_tables(doc, out);
   }
   conceg_params_free(params);

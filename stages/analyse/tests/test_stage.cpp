@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The analyse stage as the host runs it: tables of a small tissue, with and without meshes; clear errors.
+#include "../../common/tests/bytes.hpp"
 #include "../../common/tests/tissue.hpp"
 #include "conceg/conceg.h"
 
@@ -48,11 +49,7 @@ template <class Spoil> Run run(std::uint32_t threads, bool skeleton, bool meshes
   out.status = conceg_stage_run(ctx, &conceg_stage_analyse, doc, params);
   out.error = conceg_ctx_error(ctx);
   if (out.status == CONCEG_OK) {
-    void *bytes = nullptr;
-    size_t count = 0;
-    CHECK_EQUAL(conceg_doc_to_memory(doc, &bytes, &count), CONCEG_OK);
-    out.bytes.assign(static_cast<const char *>(bytes), count);
-    conceg_free(bytes);
+    out.bytes = conceg::testing::bytes_of(doc);
     out.names = texts(doc, "/statistics/summary/name");
     const View<double> values = view<double>(doc, "/statistics/summary/value");
     out.values.assign(values.begin(), values.end());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Making the default dictionary again from the reconstructions gives the committed file.
+#include "../../common/tests/bytes.hpp"
 #include "check.h"
 
 #include "conceg/conceg.h"
@@ -16,15 +17,6 @@ std::string digest(conceg_ctx *ctx, conceg_doc *doc) {
   char hex[65] = "";
   if (conceg_doc_digest(doc, "/dictionary", hex) != CONCEG_OK) fprintf(stderr, "%s\n", conceg_ctx_error(ctx));
   return hex;
-}
-
-std::string bytes_of(conceg_ctx *ctx, conceg_doc *doc) {
-  void *bytes = nullptr;
-  std::size_t count = 0;
-  if (conceg_doc_to_memory(doc, &bytes, &count) != CONCEG_OK) fprintf(stderr, "%s\n", conceg_ctx_error(ctx));
-  const std::string out(static_cast<const char *>(bytes), count);
-  conceg_free(bytes);
-  return out;
 }
 
 conceg_doc *remake(conceg_ctx *ctx, const std::string &cells, const char *more) {
@@ -65,7 +57,7 @@ int main() {
   CHECK(digest(ctx, other) != digest_committed); // another rule gives another dictionary
   std::ifstream in(committed_path, std::ios::binary);
   const std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  CHECK(bytes == bytes_of(ctx, again));
+  CHECK(bytes == conceg::testing::bytes_of(again));
   CHECK(bytes.size() < 3u << 20);
   for (conceg_doc *doc : {committed, again, other})
     CHECK_EQUAL(conceg_doc_close(doc), CONCEG_OK);

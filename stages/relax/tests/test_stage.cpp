@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The relax stage as the host runs it: same bytes for any number of threads, topology kept, clear errors.
+#include "../../common/tests/bytes.hpp"
 #include "conceg/conceg.h"
 #include "scene.hpp"
 #include "view.hpp"
@@ -66,11 +67,7 @@ Run run(const relax::Skeletons &s, std::uint32_t threads, const char *setting = 
   if (out.status == CONCEG_OK) out.status = conceg_stage_run(ctx, &conceg_stage_relax, doc, params);
   out.error = conceg_ctx_error(ctx);
   if (out.status == CONCEG_OK) {
-    void *bytes = nullptr;
-    size_t count = 0;
-    CHECK_EQUAL(conceg_doc_to_memory(doc, &bytes, &count), CONCEG_OK);
-    out.bytes.assign(static_cast<const char *>(bytes), count);
-    conceg_free(bytes);
+    out.bytes = conceg::testing::bytes_of(doc);
     out.position = vec3s<glm::dvec3>(doc, "/skeleton/position");
     const View<float> radius = view<float>(doc, "/skeleton/radius");
     const View<std::int64_t> parent = view<std::int64_t>(doc, "/skeleton/parent");
