@@ -66,6 +66,16 @@ void edit_cut(const State &state, std::uint32_t keep, Edit &edit) {
   find_writes(state, edit);
 }
 
+void list_cells(const Grid &grid, Edit &edit) {
+  edit.write_cells.clear(), edit.read_cells.clear();
+  const auto list = [&](const std::vector<Region> &regions, std::vector<std::uint32_t> &cells) {
+    for (const Region &region : regions)
+      for_grid_cells(grid, region,
+                     [&](std::size_t cell) { cells.push_back(static_cast<std::uint32_t>(cell)); });
+  };
+  list(edit.writes, edit.write_cells), list(edit.reads, edit.read_cells);
+}
+
 void number_segments(Space &space, Edit &edit) {
   for (std::size_t i = 0; i < edit.tail.size(); i++) {
     if (edit.tail[i].segment != none || edit.keep + i == 0) continue;
@@ -116,15 +126,15 @@ void commit(State &state, Edit &edit) {
 void unmark_tail(State &state, const Edit &edit) {
   const Projection &projection = state.projections[edit.bar];
   for (std::size_t i = std::max<std::size_t>(1, edit.keep); i < projection.chain.size(); i++) {
-    std::uint32_t &mark = state.space.mark[projection.chain[i].node];
-    if (mark == projection.cell) mark = none;
+    std::uint32_t &user = state.space.site(projection.chain[i].node).user;
+    if (user == projection.cell) user = none;
   }
 }
 
 void mark_tail(State &state, const Edit &edit) {
   const Projection &projection = state.projections[edit.bar];
   for (std::size_t i = std::max<std::size_t>(1, edit.keep); i < projection.chain.size(); i++)
-    state.space.mark[projection.chain[i].node] = projection.cell;
+    state.space.site(projection.chain[i].node).user = projection.cell;
 }
 
 void return_segments(Space &space, Edit &edit) {

@@ -19,6 +19,7 @@ struct Edit {
   float angle_error = -1.0f;         // start only
   std::vector<std::uint32_t> banned; // nodes not to be tried again
   std::vector<Region> writes, reads; // where the state is changed, and where it was looked at
+  std::vector<std::uint32_t> write_cells, read_cells; // the grid cells of these regions, with repetitions
   std::vector<std::uint32_t> fresh,
       freed; // segment numbers given before, and to be returned after the commit
   void clear(std::uint32_t new_bar);
@@ -32,6 +33,9 @@ void edit_from_line(const State &state, const std::vector<Vertex> &line, std::ui
                     std::uint32_t settled, Edit &edit);
 // Keeps only the first `keep` vertices.
 void edit_cut(const State &state, std::uint32_t keep, Edit &edit);
+
+// Lists the grid cells of the regions.
+void list_cells(const Grid &grid, Edit &edit);
 
 // Serial: gives numbers to the edit's new segments.
 void number_segments(Space &space, Edit &edit);

@@ -122,7 +122,10 @@ private:
 
   void round() {
     if (edits_.size() < tips_.size()) edits_.resize(tips_.size());
-    team_.loop(tips_.size(), [&](std::size_t i, unsigned) { propose(state_, tips_[i], edits_[i]); });
+    team_.loop(tips_.size(), [&](std::size_t i, unsigned) {
+      propose(state_, tips_[i], edits_[i]);
+      list_cells(state_.space.grid, edits_[i]);
+    });
     reserve();
     if (watch_.before) watch_.before(state_, accepted_by_priority());
     for (const std::size_t i : accepted_) {
@@ -159,24 +162,19 @@ private:
     std::sort(order_.begin(), order_.end());
     accepted_.clear();
     const auto stamp = static_cast<std::uint32_t>(summary_.rounds);
-    const Grid &grid = state_.space.grid;
+    const auto written = [&](std::uint32_t cell) { return written_[cell] == stamp; };
+    const auto touched = [&](std::uint32_t cell) { return written_[cell] == stamp || read_[cell] == stamp; };
     for (const auto &[priority, i] : order_) {
       const Edit &edit = edits_[i];
-      bool free = true;
-      for (const Region &region : edit.writes)
-        if (free)
-          for_grid_cells(grid, region,
-                         [&](std::size_t cell) { free &= written_[cell] != stamp && read_[cell] != stamp; });
-      for (const Region &region : edit.reads)
-        if (free) for_grid_cells(grid, region, [&](std::size_t cell) { free &= written_[cell] != stamp; });
-      if (!free) {
+      if (std::any_of(edit.write_cells.begin(), edit.write_cells.end(), touched) ||
+          std::any_of(edit.read_cells.begin(), edit.read_cells.end(), written)) {
         summary_.deferred++;
         continue;
       }
-      for (const Region &region : edit.writes)
-        for_grid_cells(grid, region, [&](std::size_t cell) { written_[cell] = stamp; });
-      for (const Region &region : edit.reads)
-        for_grid_cells(grid, region, [&](std::size_t cell) { read_[cell] = stamp; });
+      for (const std::uint32_t cell : edit.write_cells)
+        written_[cell] = stamp;
+      for (const std::uint32_t cell : edit.read_cells)
+        read_[cell] = stamp;
       accepted_.push_back(i);
     }
     std::sort(accepted_.begin(), accepted_.end());
