@@ -20,6 +20,8 @@ struct Edit {
   std::vector<std::uint32_t> banned; // nodes not to be tried again
   std::vector<Region> writes, reads; // where the state is changed, and where it was looked at
   std::vector<std::uint32_t> write_cells, read_cells; // the grid cells of these regions, with repetitions
+  double tip_before = 0.0; // path of the tip, and settled vertices, before the commit
+  std::uint32_t settled_before = 0;
   std::vector<std::uint32_t> fresh,
       freed; // segment numbers given before, and to be returned after the commit
   void clear(std::uint32_t new_bar);
@@ -39,11 +41,9 @@ void list_cells(const Grid &grid, Edit &edit);
 
 // Serial: gives numbers to the edit's new segments.
 void number_segments(Space &space, Edit &edit);
-// May run beside commits whose regions are apart: capsules, field and the chain itself.
+// May run beside commits whose regions are apart: capsules, field, users of nodes and the chain itself.
 void commit(State &state, Edit &edit);
-// Serial: marks of nodes before and after the commit, numbers that became free.
-void unmark_tail(State &state, const Edit &edit);
-void mark_tail(State &state, const Edit &edit);
+// Serial: numbers that became free.
 void return_segments(Space &space, Edit &edit);
 
 } // namespace conceg::grow

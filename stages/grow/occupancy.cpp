@@ -86,16 +86,6 @@ NodeField empty_field(const Space &space, std::uint32_t node) {
   return field;
 }
 
-void make_grid(Space &space, const conceg_box &box) {
-  for (int a = 0; a < 3; a++) {
-    const double side = conceg_box_side(&box, a);
-    space.grid.count[a] = std::max(1, static_cast<int>(side / grid_step_um));
-    space.grid.lo[a] = box.lo[a];
-    space.grid.step[a] = side / space.grid.count[a];
-    space.grid.periodic[a] = box.periodic[a] != 0;
-  }
-}
-
 void bucket_nodes(Space &space, const Network &network) {
   std::vector<std::uint32_t> cell_of(network.nodes);
   space.site_offset.assign(space.grid.cells() + 1, 0);
@@ -156,6 +146,18 @@ bool clear_of_own_soma(double distance, double path, double need) {
 }
 
 } // namespace
+
+Grid make_grid(const conceg_box &box, double step_um) {
+  Grid grid;
+  for (int a = 0; a < 3; a++) {
+    const double side = conceg_box_side(&box, a);
+    grid.count[a] = std::max(1, static_cast<int>(side / step_um));
+    grid.lo[a] = box.lo[a];
+    grid.step[a] = side / grid.count[a];
+    grid.periodic[a] = box.periodic[a] != 0;
+  }
+  return grid;
+}
 
 Segment make_segment(const conceg_box &box, const glm::dvec3 &a, const glm::dvec3 &b, double radius,
                      std::uint32_t cell, std::uint32_t bar, double path_middle) {
@@ -332,7 +334,7 @@ void make_space(State &state) {
   // With nodes alone deciding, the field must know every radius that a process can have.
   space.reach =
       state.parameters.occupancy == Occupancy::nodes ? largest : std::min(largest, largest_reach_um);
-  make_grid(space, state.input.box);
+  space.grid = make_grid(state.input.box, grid_step_um);
   space.segment_list.assign(space.grid.cells(), {});
   bucket_nodes(space, state.input.network);
   place_somas(state);

@@ -9,6 +9,9 @@ namespace conceg::grow {
 // Grid, buckets of nodes, somas and other obstacles.
 void make_space(State &state);
 
+// A grid over the box with cells of `step_um` or a little more.
+Grid make_grid(const conceg_box &box, double step_um);
+
 // Grid cells that a region touches along one axis.
 struct GridRange {
   int first, number;

@@ -70,8 +70,7 @@ bool propose_free_root(const State &state, std::uint32_t bar, Edit &edit) {
     for (const Candidate &start : free_nodes(state, projection, place, within)) {
       const Tip tip{start.position, start.node, {start.lift[0], start.lift[1], start.lift[2]}};
       std::vector<Candidate> candidates;
-      find_candidates(state, projection, tip, law_radius(state, bar, 0.0), projection.attractor,
-                      candidates);
+      find_candidates(state, projection, tip, law_radius(state, bar, 0.0), projection.attractor, candidates);
       for (const Candidate &candidate : candidates) {
         Vertex first = vertex_at(start), second = vertex_at(candidate);
         second.path = glm::distance(first.position, second.position);

@@ -120,7 +120,7 @@ struct Entry {
   int first[3]; // grid cell where the segment's region begins
 };
 
-// A uniform grid of about 1 um cells over the box, periodic where the box is.
+// A uniform grid over the box, periodic where the box is.
 struct Grid {
   int count[3] = {1, 1, 1};
   glm::dvec3 lo{0.0}, step{1.0};

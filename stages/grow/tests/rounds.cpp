@@ -75,10 +75,8 @@ void replay(State &state, const std::vector<std::uint32_t> &bars) {
   for (const std::uint32_t bar : bars) {
     Edit edit;
     propose(state, bar, edit);
-    unmark_tail(state, edit);
     number_segments(state.space, edit);
     commit(state, edit);
-    mark_tail(state, edit);
     return_segments(state.space, edit);
   }
 }
@@ -104,7 +102,8 @@ void serial(const Parameters &parameters) {
     equal_forward += same_state(forward, committed), equal_backward += same_state(backward, committed);
     moved += !same_state(unchanged, committed); // the comparison can fail
   };
-  conceg::grow::grow(state, 2, nullptr, watch);
+  conceg::Phases phases;
+  conceg::grow::grow(state, 2, nullptr, phases, watch);
   printf("%zu rounds of %.1f steps replayed\n", compared,
          static_cast<double>(steps) / static_cast<double>(compared));
   CHECK(compared > 50 && steps > 3 * compared);
