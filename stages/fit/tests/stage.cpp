@@ -153,7 +153,7 @@ void truths() {
   CHECK_NEAR(r.f_soma_truth[1], balls, 1e-3 * balls + 1e-4);
   CHECK_NEAR(r.f_extra_truth[1], 1 - balls, 1e-3);
   CHECK_NEAR(r.radius_truth[0], 3, 1e-6);
-  CHECK(r.log.find("(truth 3.00 mean, 3.56 volume-weighted, 3.7") != std::string::npos);
+  CHECK(r.log.find("(truth 3.00 mean, 3.57 volume-weighted, 3.71 effective") != std::string::npos);
   const Run open =
       run(1, usual(), {}, [](conceg_doc *doc) { put_tissue(doc), testing::put_domain(doc, false); });
   CHECK(open.status == CONCEG_OK && open.f_soma_truth.empty() && !open.radius_truth.empty());
