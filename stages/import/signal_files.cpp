@@ -132,8 +132,10 @@ void add_measurement(SignalSet &set, const Rows &rows, const char *b, const Sign
   const double v[3] = {directed ? rows.value("direction_x") : 0.0, directed ? rows.value("direction_y") : 0.0,
                        directed ? rows.value("direction_z") : 1.0};
   add_direction(set, v, path, rows.line());
-  add_timing(set, rows.value("pulse_duration_ms", options.pulse_duration_ms),
-             rows.value("pulse_separation_ms", options.pulse_separation_ms), path, rows.line());
+  // The second names are those of conceg simulate --csv.
+  add_timing(set, rows.value("pulse_duration_ms", rows.value("delta_ms", options.pulse_duration_ms)),
+             rows.value("pulse_separation_ms", rows.value("Delta_ms", options.pulse_separation_ms)), path,
+             rows.line());
 }
 
 struct Numbers {

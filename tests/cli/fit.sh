@@ -23,6 +23,9 @@ pulses="--pulse-duration-ms 5 --pulse-separation-ms 20"
 
 expect 0 "" conceg import signal signals.csv -o table.cgx
 expect 0 "" conceg import signal signals.txt --bval bvals --bvec bvecs --compartment intra $pulses -o fsl.cgx
+sed '1s/.*/compartment,b_s\/mm2,signal,delta_ms,Delta_ms/' signals.csv > simulated.csv # names of conceg simulate --csv
+expect 0 "" conceg import signal simulated.csv -o simulated.cgx
+expect 0 "" cmp simulated.cgx table.cgx
 for document in table.cgx fsl.cgx; do
   expect 0 "" conceg validate -q $document
   expect 0 "f_neurite 0.750 .*f_soma 0.250" conceg fit $document --soma-diffusivity 2 -o fitted.cgx
