@@ -179,10 +179,7 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
     write_bars(doc, report);
     write_skeleton(doc, skeleton);
     phases.end("deliver");
-    const unsigned threads = conceg_ctx_threads(ctx);
-    conceg_ctx_log(ctx, CONCEG_LOG_INFO,
-                   "grow: seconds by phase: %s; serial and idle share of %u threads %.1f %%",
-                   phases.text().c_str(), threads, 100.0 * phases.serial_and_idle(summary.busy_s, threads));
+    tell_phases(ctx, "grow", phases, summary.busy_s, conceg_ctx_threads(ctx));
   });
 }
 
