@@ -58,7 +58,7 @@ struct Format {
   F("gltf", "viewers", "cells.glb, a node per cell", "um", "as it stands, turned so that +z is up (+y)",     \
     "meshes")                                                                                                \
   F("vdb", "OpenVDB", "volume.vdb: label, distance", "um", "as it stands", "volumes")                        \
-  F("nifti", "NIfTI", "labels.nii, intracellular.nii, soma.nii", "mm", "as it stands", "volumes")            \
+  F("nifti", "NIfTI", "labels.nii, fraction.nii", "mm", "as it stands", "volumes")                           \
   F("h5v1", "BlueBrain, MorphIO", "a .h5 per cell", "um", "as it stands", "skeleton")                        \
   F("network", "ConFiG-like node network", "nodes.txt, edges.txt", "um", "as it stands", "network")
 
