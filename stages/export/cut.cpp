@@ -80,18 +80,6 @@ Surface cut_at_box(const conceg_box &box, const Surface &surface) {
   return part;
 }
 
-Surface copies_in_box(const conceg_box &box, const Surface &surface) {
-  Surface copies;
-  if (surface.vertex.empty()) return copies;
-  glm::dvec3 low = surface.vertex[0], high = low;
-  for (const glm::dvec3 &p : surface.vertex)
-    low = glm::min(low, p), high = glm::max(high, p);
-  for_each_lift(box, low, high, [&](const glm::ivec3 &lift) {
-    append(copies, placed(surface, -glm::dvec3(lift) * side(box), 1.0));
-  });
-  return copies;
-}
-
 Surface placed(Surface surface, const glm::dvec3 &origin, double scale) {
   for (glm::dvec3 &p : surface.vertex)
     p = (p - origin) * scale;

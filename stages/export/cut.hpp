@@ -11,9 +11,6 @@ namespace conceg::exporting {
 // images of each other to rounding.
 Surface cut_at_box(const conceg_box &box, const Surface &surface);
 
-// The surface and every whole image of it that meets the box: closed, and complete within the box.
-Surface copies_in_box(const conceg_box &box, const Surface &surface);
-
 // The surface moved by -origin and multiplied by scale.
 Surface placed(Surface surface, const glm::dvec3 &origin, double scale);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // MC/DC: text PLY in um with ply_scale to its mm, one per cell so that a walker tests its own cell alone, and
-// one of all. Cells are whole with all images that meet the voxel, since it wraps walkers but not triangles.
+// one of all. Every triangle image that meets the voxel is there, since it wraps walkers but not triangles.
 // Starting points lie strictly inside the voxel.
 #include "simulation.hpp"
 
@@ -31,7 +31,7 @@ void export_mcdc(Job &job) {
   std::vector<std::string> files;
   std::vector<Surface> surfaces;
   for (const Cell &cell : job.cells) {
-    surfaces.push_back(simulation_surface(job, box, cell, SurfaceForm::copies));
+    surfaces.push_back(simulation_surface(job, box, cell, SurfaceForm::tiled));
     if (surfaces.back().face.empty()) {
       surfaces.pop_back();
       continue;

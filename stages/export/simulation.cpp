@@ -64,9 +64,10 @@ SimulationBox simulation_box(const Job &job) {
 
 Surface simulation_surface(const Job &job, const SimulationBox &box, const Cell &cell, SurfaceForm form) {
   const Surface whole = job.source.surface(cell.row, false).surface;
-  const Surface &part = form == SurfaceForm::cut      ? cut_at_box(job.source.box(), whole)
-                        : form == SurfaceForm::copies ? copies_in_box(job.source.box(), whole)
-                                                      : whole;
+  const conceg_box &periods = job.source.box();
+  const Surface part = form == SurfaceForm::cut     ? cut_at_box(periods, whole)
+                       : form == SurfaceForm::tiled ? Surface(tile(periods, whole))
+                                                    : whole;
   return placed(part, box.origin, 1.0);
 }
 

@@ -15,7 +15,7 @@ struct SimulationBox {
 };
 SimulationBox simulation_box(const Job &job);
 
-enum class SurfaceForm { cut, copies, whole };
+enum class SurfaceForm { cut, tiled, whole };
 // A cell's surface in the frame of the files, in um: cut at the periodic sides, with all images that meet the
 // box, or as it stands.
 Surface simulation_surface(const Job &job, const SimulationBox &box, const Cell &cell, SurfaceForm form);
