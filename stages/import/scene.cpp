@@ -118,8 +118,13 @@ void write_meshes(conceg_ctx *ctx, conceg_doc *doc, const Scene &scene) {
       bounds.include(p, 0.0);
     const glm::dvec3 middle = snap(0.5 * (bounds.low + bounds.high));
     Surface rounded = s.surface;
-    for (glm::dvec3 &p : rounded.vertex)
-      p = middle + glm::dvec3(glm::vec3(p - middle));
+    // Multiples of 2^-24 um in single precision, so that the sum with the origin is exact. The values pass through memory:
+    // gcc 12 leaves the conversion there and back out of a loop that it vectorises.
+    std::vector<glm::vec3> local;
+    for (const glm::dvec3 &p : rounded.vertex)
+      local.emplace_back(glm::floor((p - middle) * 0x1p24 + 0.5) * 0x1p-24);
+    for (std::size_t i = 0; i < local.size(); i++)
+      rounded.vertex[i] = middle + glm::dvec3(local[i]);
     const SurfaceFigures figures = measure_surface(rounded);
     const bool flip = figures.volume < 0.0; // a file that winds its triangles inward
     cell.push_back(s.cell), lod.push_back(0), closed.push_back(figures.closed);
