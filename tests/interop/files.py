@@ -194,8 +194,19 @@ def bundle(work):
         expect((work / "all" / form / "manifest.json").exists(), f"{form}: a manifest")
 
 
+def lists(work):
+    """The tables of spec/interop.md name what the programs take."""
+    text = (pathlib.Path(__file__).resolve().parents[2] / "spec/interop.md").read_text()
+    read, written = (re.findall(r"^\| ([a-z0-9-]+) \|", part, re.M)[1:] for part in (text.split("<!-- read -->")[1].split("## ")[0], text.split("<!-- written -->")[1].split("## ")[0]))
+    listed = json.loads(run("params", "export", "--json").stdout)
+    listed = listed if isinstance(listed, list) else listed["parameters"]
+    choices = next(row["choices"] for row in listed if row["name"] == "to").split("|")[1:]
+    expect(written == choices, f"formats written: {written}, --to takes {choices}")
+    expect(", ".join(read) in run("import", "nonsense", "x").stderr, f"formats read: {read}")
+
+
 with tempfile.TemporaryDirectory() as folder:
-    for part in (refusals, frames_and_rounds, bundle):
+    for part in (lists, refusals, frames_and_rounds, bundle):
         work = pathlib.Path(folder) / part.__name__
         work.mkdir()
         try:
