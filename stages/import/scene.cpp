@@ -118,8 +118,8 @@ void write_meshes(conceg_ctx *ctx, conceg_doc *doc, const Scene &scene) {
       bounds.include(p, 0.0);
     const glm::dvec3 middle = snap(0.5 * (bounds.low + bounds.high));
     Surface rounded = s.surface;
-    // Multiples of 2^-24 um in single precision, so that the sum with the origin is exact. The values pass through memory:
-    // gcc 12 leaves the conversion there and back out of a loop that it vectorises.
+    // Multiples of 2^-24 um in single precision, so that the sum with the origin is exact. The values pass
+    // through memory: gcc 12 leaves the conversion there and back out of a loop that it vectorises.
     std::vector<glm::vec3> local;
     for (const glm::dvec3 &p : rounded.vertex)
       local.emplace_back(glm::floor((p - middle) * 0x1p24 + 0.5) * 0x1p-24);
@@ -225,11 +225,11 @@ void check_frame(const Scene &scene, const std::string &path, const char *remedy
   for (const SceneSurface &surface : scene.surfaces)
     for (const glm::dvec3 &p : surface.surface.vertex)
       look(p);
-  if (2 * far > points)
+  if (points && far == points)
     fail(CONCEG_E_FORMAT,
-         "%s: %zu of %zu points lie more than a side outside of the box of %g x %g x %g um: another unit or "
+         "%s: all %zu points lie more than a side outside of the box of %g x %g x %g um: another unit or "
          "frame; %s",
-         path.c_str(), far, points, sides.x, sides.y, sides.z, remedy);
+         path.c_str(), points, sides.x, sides.y, sides.z, remedy);
   if (widest > std::max({sides.x, sides.y, sides.z}))
     fail(CONCEG_E_FORMAT, "%s: a radius of %g um in a box of %g x %g x %g um: another unit; %s", path.c_str(),
          widest, sides.x, sides.y, sides.z, remedy);

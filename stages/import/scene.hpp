@@ -66,7 +66,8 @@ std::string base_name(const std::string &path);
 // The one file of a format that has one; E_USAGE otherwise.
 const std::string &only_file(const Request &request, const char *what);
 
-// Refuses a scene of which half lies more than a box side outside of its box: a wrong unit, frame or box.
+// Refuses a scene of which no point lies within a side of its box, or with a radius wider than it: a wrong
+// unit or frame.
 void check_frame(const Scene &scene, const std::string &path, const char *remedy);
 
 // /domain alone. A box that the scene lacks is put around it on whole micrometres with the margin on each
