@@ -101,6 +101,7 @@ needs = {
     "export.fraction_um": ["--to", "nifti"],
     "export.walkers": ["--to", "mcdc"],
     **{f"export.{name}": ["--to", "mcdc", "--walkers", "10"] for name in ("diffusivity_um2_per_ms", "b_values_ms_per_um2", "directions", "pulse_ms", "separation_ms")},
+    "grow.smoothing": ["--straightness", "free"],
     "triangulate.grade_levels": ["--nodes", "graded"],
     "triangulate.grade_distance_um": ["--nodes", "graded"],
     "triangulate.grade_spacing_radii": ["--nodes", "graded", "--grade-territory-um", "1000"],
