@@ -73,8 +73,11 @@ bool Checkpoint::read(Walked &walked) const {
   walked.walkers.vector = triples(kept<double>(opened, path_, "/x_simulate/vector", 3 * walkers_ * shapes_));
   walked.walkers.displacement = triples(kept<double>(opened, path_, "/x_simulate/displacement", 3 * walkers_ * records_));
   if (has(opened, "/x_simulate/weight")) walked.walkers.weight = kept<double>(opened, path_, "/x_simulate/weight", walkers_);
-  const std::vector<std::uint64_t> t = kept<std::uint64_t>(opened, path_, "/x_simulate/tally", 7);
-  walked.tally = {t[0], t[1], t[2], t[3], t[4], t[5], t[6]};
+  const std::vector<std::uint64_t> t = kept<std::uint64_t>(opened, path_, "/x_simulate/tally", 7 * blocks);
+  for (std::size_t b = 0; b < blocks; b++) {
+    const std::uint64_t *of = &t[7 * b];
+    walked.tally.push_back({of[0], of[1], of[2], of[3], of[4], of[5], of[6]});
+  }
   return true;
 }
 
@@ -90,9 +93,10 @@ void Checkpoint::write(const Walked &walked) const {
   keep(made, "/x_simulate/vector", flat(w.vector), 3 * w.vector.size());
   keep(made, "/x_simulate/displacement", flat(w.displacement), 3 * w.displacement.size());
   if (!w.weight.empty()) keep(made, "/x_simulate/weight", w.weight.data(), w.weight.size());
-  const Tally &t = walked.tally;
-  const std::uint64_t tally[7] = {t.steps, t.moves, t.jumps, t.casts, t.reflections, t.passages, t.retractions};
-  keep(made, "/x_simulate/tally", tally, 7);
+  std::vector<std::uint64_t> tally;
+  for (const Tally &t : walked.tally)
+    tally.insert(tally.end(), {t.steps, t.moves, t.jumps, t.casts, t.reflections, t.passages, t.retractions});
+  keep(made, "/x_simulate/tally", tally.data(), tally.size());
   must(conceg_doc_save(made, path_.c_str()));
 }
 

@@ -31,7 +31,7 @@ void store(const Timeline &timeline, const std::vector<Walk> &walks, std::size_t
 void prepare(const Plan &plan, Walked &walked) {
   const std::size_t count = plan.walkers, blocks = (count + Walked::block - 1) / Walked::block;
   if (!walked.done.empty()) return;
-  walked.done.assign(blocks, 0);
+  walked.done.assign(blocks, 0), walked.tally.assign(blocks, Tally());
   walked.place.resize(count), walked.inside.resize(count);
   walked.walkers.count = count;
   walked.walkers.vector.resize(count * plan.timeline.shapes);
@@ -48,23 +48,27 @@ void walk_all(const Plan &plan, const Walls &walls, const Seeds &seeds, Walked &
   std::vector<std::size_t> waiting;
   for (std::size_t b = 0; b < walked.done.size(); b++)
     if (!walked.done[b]) waiting.push_back(b);
-  std::vector<Tally> tally(workers.threads());
   std::atomic<std::uint64_t> finished{plan.walkers - std::min<std::uint64_t>(plan.walkers, waiting.size() * Walked::block)};
   auto last_kept = std::chrono::steady_clock::now();
   const std::size_t round = keep ? blocks_between * workers.threads() : std::max<std::size_t>(1, waiting.size());
   for (std::size_t begin = 0; begin < waiting.size(); begin += round) {
     const std::size_t many = std::min(round, waiting.size() - begin);
-    workers.loop(many, 1, [&](std::size_t i, unsigned worker) {
+    const auto walk_block = [&](std::size_t i, unsigned) {
       const std::size_t b = waiting[begin + i], first = b * Walked::block;
       const std::size_t count = std::min<std::size_t>(Walked::block, plan.walkers - first);
       std::vector<Start> start;
       for (std::size_t w = first; w < first + count; w++)
         start.push_back({walls.local(seeds.position[w]), seeds.cell[w] >= 0, w});
-      store(plan.timeline, walk(walls, plan.timeline, plan.physics, start.data(), count, plan.seed, tally[worker]), first, walked);
+      store(plan.timeline, walk(walls, plan.timeline, plan.physics, start.data(), count, plan.seed, walked.tally[b]), first, walked);
       walked.done[b] = 1;
       report(progress, "walking", finished += count, plan.walkers);
-    });
-    for (Tally &t : tally) walked.tally.add(t), t = Tally();
+    };
+    try {
+      workers.loop(many, 1, walk_block);
+    } catch (...) {
+      if (keep) keep(walked);
+      throw;
+    }
     const auto now = std::chrono::steady_clock::now();
     if (keep && (now - last_kept > std::chrono::seconds(20) || begin + many == waiting.size())) keep(walked), last_kept = now;
   }
@@ -102,7 +106,7 @@ Lost find_leaks(const Plan &plan, const Walls &walls, const Seeds &seeds, const 
                         open[i] | static_cast<std::uint64_t>(attempt) << attempt_shift};
       store(plan.timeline, walk(walls, plan.timeline, plan.physics, &start, 1, plan.seed, tally[worker]), open[i], walked);
     });
-    for (const Tally &t : tally) walked.tally.add(t);
+    for (const Tally &t : tally) walked.tally.front().add(t);
   }
 }
 

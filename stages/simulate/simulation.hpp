@@ -24,15 +24,16 @@ struct Walked {
   std::vector<glm::dvec3> place;   // per walker, local: where it ended
   std::vector<std::uint8_t> inside; // by the membranes that it passed
   Walkers walkers;
-  Tally tally;
+  std::vector<Tally> tally;        // per block
 };
 
 struct Lost {
   std::uint64_t leaks = 0;    // walkers found in another cell, or on another side, than their way says
-  std::uint64_t reruns = 0;   // of them walked again, with other draws
+  std::uint64_t reruns = 0;   // how often one of them walked again, with other draws
 };
 
-// Called now and then by one thread, between blocks, so that what is done can be kept. May be empty.
+// Called by one thread, now and then and when the run is cancelled, so that what is done can be kept. May be
+// empty.
 using Keep = std::function<void(const Walked &)>;
 
 // Walks the blocks that are not done.

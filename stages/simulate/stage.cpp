@@ -140,16 +140,18 @@ double try_rate(const Plan &plan, const Walls &walls, const Seeds &seeds) {
 void preflight(conceg_ctx *ctx, const Plan &plan, const Tissue &tissue, const Walls &walls, const Seeds &seeds, const Protocol &protocol) {
   const glm::dvec3 s = side(plan.box);
   const double inner = (s.x - 2.0 * plan.wanted.margin_um) * (s.y - 2.0 * plan.wanted.margin_um) * (s.z - 2.0 * plan.wanted.margin_um);
-  const double share = static_cast<double>(plan.walkers) / static_cast<double>(seeds.tried), box_volume = volume(plan.box);
+  const double outside = static_cast<double>(std::count(seeds.cell.begin(), seeds.cell.end(), -1)), tried = static_cast<double>(seeds.tried);
+  const double cells = (static_cast<double>(plan.walkers) - outside) / tried;
   const double step = step_length(plan.physics.intra, plan.physics.step_ms);
   const double steps = std::ceil(plan.timeline.end.back() / plan.physics.step_ms) * static_cast<double>(plan.walkers);
   conceg_ctx_log(ctx, CONCEG_LOG_INFO, "preflight: um, ms, um2/ms; box %g x %g x %g um, %s; %zu faces, %zu with images, %.0f MiB",
                  s.x, s.y, s.z, plan.box.periodic[0] && plan.box.periodic[1] && plan.box.periodic[2] ? "periodic" : "not periodic on every axis",
                  tissue.membranes.face.size(), walls.images(), static_cast<double>(walls.bytes()) / 1048576.0);
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
-                 "preflight: %llu walkers seeded at %llu points: %.4f +- %.4f of %.4g um3; the surfaces hold %.4f of the box",
-                 whole(plan.walkers), whole(seeds.tried), share, std::sqrt(share * (1.0 - share) / static_cast<double>(seeds.tried)), inner,
-                 tissue.cell_volume / box_volume);
+                 "preflight: %llu walkers seeded at %llu points of %.4g um3: %.4f in cells (+- %.4f), %.4f between; the surfaces "
+                 "hold %.4f of the box",
+                 whole(plan.walkers), whole(seeds.tried), inner, cells, std::sqrt(cells * (1.0 - cells) / tried), outside / tried,
+                 tissue.cell_volume / volume(plan.box));
   conceg_ctx_log(ctx, CONCEG_LOG_INFO, "preflight: steps of %.4f um and %g ms; thinnest process %.3f um in radius, %.2f steps", step,
                  plan.physics.step_ms, tissue.thinnest_um, tissue.thinnest_um / step);
   conceg_ctx_log(ctx, CONCEG_LOG_INFO, "preflight: %zu measurements of %zu gradient shapes; standard error at most %.2g (one direction)",
@@ -171,9 +173,9 @@ void put_protocol(conceg_doc *doc, const Protocol &p) {
 }
 
 void put_walkers(conceg_doc *doc, const Plan &plan, const Seeds &seeds, const std::vector<std::uint8_t> &code, const Walked &walked,
-                 const Lost &lost, const std::vector<double> &times) {
-  put_scalar(doc, "/walkers@leaks", lost.leaks), put_scalar(doc, "/walkers@retractions", walked.tally.retractions);
-  put_scalar(doc, "/walkers@steps", walked.tally.steps);
+                 const Tally &tally, const Lost &lost, const std::vector<double> &times) {
+  put_scalar(doc, "/walkers@leaks", lost.leaks), put_scalar(doc, "/walkers@retractions", tally.retractions);
+  put_scalar(doc, "/walkers@steps", tally.steps);
   put3(doc, "/walkers/position", seeds.position), put(doc, "/walkers/cell", seeds.cell), put(doc, "/walkers/compartment", code);
   const Walkers &w = walked.walkers;
   put_table(doc, "/walkers/vector", w.vector.empty() ? nullptr : &w.vector[0].x, {plan.walkers, plan.timeline.shapes, 3});
@@ -283,11 +285,12 @@ void simulate_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *pa
       results.spread.back().push_back(spread_at(walked.walkers, c, t, results.time[t]));
   }
   workers.count(ctx, "simulate.items");
-  put_walkers(doc, plan, seeds, code, walked, lost, results.time);
+  Tally t;
+  for (const Tally &block : walked.tally) t.add(block);
+  put_walkers(doc, plan, seeds, code, walked, t, lost, results.time);
   put_signals(doc, results, protocol, seeds.tried);
   write_files(params, protocol, results);
   log_results(ctx, results, protocol);
-  const Tally &t = walked.tally;
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
                  "%.4g steps in %.4g moves, %.4g of them jumps, %.4g held against membranes; %.4g reflections, %llu passages, %llu moves taken back",
                  static_cast<double>(t.steps), static_cast<double>(t.moves), static_cast<double>(t.jumps), static_cast<double>(t.casts),
