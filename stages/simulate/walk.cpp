@@ -37,7 +37,7 @@ public:
     look();
   }
   void fetch_list() const { walls_.fetch_list(spot_); }
-  void fetch_planes() const { walls_.fetch_planes(spot_); }
+  void fetch_discs() const { walls_.fetch_discs(spot_); }
   // One step or jump; false when the timeline is over.
   bool move();
   Walk result() const;
@@ -271,7 +271,7 @@ std::vector<Walk> walk(const Walls &walls, const Timeline &timeline, const Physi
     for (bool walking = true; walking;) {
       walking = false;
       for (const Walker &w : walkers) w.fetch_list();
-      for (const Walker &w : walkers) w.fetch_planes();
+      for (const Walker &w : walkers) w.fetch_discs();
       for (Walker &w : walkers) walking |= w.move();
     }
     for (const Walker &w : walkers) out.push_back(w.result());

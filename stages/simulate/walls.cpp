@@ -17,9 +17,6 @@ constexpr double voxel_limit = 268435456.0; // 2^28
 // A face reaches this far (um) beyond its edges, so that rounding opens no gap between two that share one.
 constexpr double rim_um = 1e-7;
 constexpr double finest_voxel_um = 0.25; // finer ones hold fewer faces each, but more in all
-// A move that sinks less than this many margins crosses a plane at a point that float arithmetic does not give
-// well enough.
-constexpr float steep = 30.0f;
 constexpr std::size_t chunk = 16384;
 
 typedef float Four __attribute__((vector_size(16)));
@@ -29,7 +26,16 @@ typedef std::int32_t Mask __attribute__((vector_size(16)));
 #else
 #define LANES(a, b, i, j, k, l) __builtin_shuffle(a, b, Mask{i, j, k, l})
 #endif
-bool any(const Mask &mask) {
+// Rows of four floats, turned to columns.
+inline void columns(const float *p, const float *q, const float *r, const float *s, Four &x, Four &y, Four &z, Four &w) {
+  Four a, b, c, d;
+  __builtin_memcpy(&a, p, 16), __builtin_memcpy(&b, q, 16), __builtin_memcpy(&c, r, 16), __builtin_memcpy(&d, s, 16);
+  const Four ab_low = LANES(a, b, 0, 4, 1, 5), ab_high = LANES(a, b, 2, 6, 3, 7);
+  const Four cd_low = LANES(c, d, 0, 4, 1, 5), cd_high = LANES(c, d, 2, 6, 3, 7);
+  x = LANES(ab_low, cd_low, 0, 1, 4, 5), y = LANES(ab_low, cd_low, 2, 3, 6, 7);
+  z = LANES(ab_high, cd_high, 0, 1, 4, 5), w = LANES(ab_high, cd_high, 2, 3, 6, 7);
+}
+inline bool any(const Mask &mask) {
   std::uint64_t halves[2];
   __builtin_memcpy(halves, &mask, sizeof halves);
   return (halves[0] | halves[1]) != 0;
@@ -161,18 +167,16 @@ void Walls::sort_images() {
   for (int axis = 0; axis < 3; axis++)
     largest = std::max({largest, std::fabs(low_[axis]), std::fabs(low_[axis] + count_[axis] * edge_[axis])});
   margin_um_ = static_cast<float>(16.0 * largest * 0x1p-23);
-  plane_.assign(faces_.size() + 1, Plane());
-  circle_.assign(faces_.size() + 1, Circle());
+  disc_.assign(faces_.size() + 1, Disc());
   for (std::size_t f = 0; f < faces_.size(); f++) {
     const Face &face = faces_[f];
-    plane_[f] = {static_cast<float>(face.normal.x), static_cast<float>(face.normal.y), static_cast<float>(face.normal.z),
-                 static_cast<float>(face.offset)};
     const std::array<glm::dvec3, 3> p = corners(face);
     const glm::dvec3 middle = (p[0] + p[1] + p[2]) / 3.0;
-    const double radius = std::max({glm::length(p[0] - middle), glm::length(p[1] - middle), glm::length(p[2] - middle)}) +
-                          8.0 * static_cast<double>(margin_um_);
-    circle_[f] = {static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z),
-                  static_cast<float>(radius * radius)};
+    const double radius = std::max({glm::length(p[0] - middle), glm::length(p[1] - middle), glm::length(p[2] - middle)});
+    Disc &d = disc_[f];
+    for (int axis = 0; axis < 3; axis++)
+      d.normal[axis] = static_cast<float>(face.normal[axis]), d.centre[axis] = static_cast<float>(middle[axis]);
+    d.offset = static_cast<float>(face.offset), d.radius = static_cast<float>(radius + 2.0 * clearance_um) + margin_um_;
   }
 }
 
@@ -253,19 +257,6 @@ bool Walls::inside(const Face &face, const glm::dvec3 &point) const {
   return true;
 }
 
-// Whether a move at `height` over the plane that it crosses, sinking by `down`, crosses it beyond the circle
-// around the face. A flat crossing is not known well enough in float.
-bool Walls::misses_circle(std::uint32_t face, const glm::dvec3 &place, const glm::dvec3 &move, float height,
-                          float down) const {
-  if (std::fabs(down) < steep * margin_um_) return false;
-  const Circle &c = circle_[face];
-  const float at = -height / down;
-  const float x = static_cast<float>(place.x) + at * static_cast<float>(move.x) - c.x;
-  const float y = static_cast<float>(place.y) + at * static_cast<float>(move.y) - c.y;
-  const float z = static_cast<float>(place.z) + at * static_cast<float>(move.z) - c.z;
-  return x * x + y * y + z * z > c.squared_radius;
-}
-
 Contact Walls::first_contact(const Spot &spot, const glm::dvec3 &place, const glm::dvec3 &move) const {
   Contact contact;
   if (!spot.known) return contact;
@@ -275,24 +266,24 @@ Contact Walls::first_contact(const Spot &spot, const glm::dvec3 &place, const gl
   };
   const Four px = spread(place.x), py = spread(place.y), pz = spread(place.z);
   const Four mx = spread(move.x), my = spread(move.y), mz = spread(move.z);
+  const Four hx = spread(place.x + 0.5 * move.x), hy = spread(place.y + 0.5 * move.y), hz = spread(place.z + 0.5 * move.z);
+  const Four half = spread(0.5 * glm::length(move) + 2.0 * static_cast<double>(margin_um_));
   const Four margin = spread(static_cast<double>(margin_um_)), minus_margin = -margin;
   double crossing = 1.0;
   const std::uint32_t *const end = list_.data() + 4 * std::size_t{voxel_[spot.voxel + 1].begin};
   for (const std::uint32_t *four = list_.data() + 4 * std::size_t{voxel_[spot.voxel].begin}; four != end; four += 4) {
-    // Planes of four faces, turned from rows to columns.
-    Four a, b, c, d;
-    __builtin_memcpy(&a, &plane_[four[0]], 16), __builtin_memcpy(&b, &plane_[four[1]], 16);
-    __builtin_memcpy(&c, &plane_[four[2]], 16), __builtin_memcpy(&d, &plane_[four[3]], 16);
-    const Four ab_low = LANES(a, b, 0, 4, 1, 5), ab_high = LANES(a, b, 2, 6, 3, 7);
-    const Four cd_low = LANES(c, d, 0, 4, 1, 5), cd_high = LANES(c, d, 2, 6, 3, 7);
-    const Four x = LANES(ab_low, cd_low, 0, 1, 4, 5), y = LANES(ab_low, cd_low, 2, 3, 6, 7);
-    const Four z = LANES(ab_high, cd_high, 0, 1, 4, 5), offset = LANES(ab_high, cd_high, 2, 3, 6, 7);
-    const Four before = x * px + y * py + z * pz - offset, down = x * mx + y * my + z * mz, after = before + down;
-    // The plane is crossed, or touched within the margin: not both heights above it or both below.
-    const Mask met = ~(((before > margin) & (after > margin)) | ((before < minus_margin) & (after < minus_margin)));
+    Four x, y, z, w;
+    // Balls around the faces that the ball around the move meets.
+    columns(disc_[four[0]].centre, disc_[four[1]].centre, disc_[four[2]].centre, disc_[four[3]].centre, x, y, z, w);
+    x -= hx, y -= hy, z -= hz, w += half;
+    const Mask near = x * x + y * y + z * z <= w * w;
+    // Planes that the move crosses, or touches within the margin: not both ends above or both below.
+    columns(disc_[four[0]].normal, disc_[four[1]].normal, disc_[four[2]].normal, disc_[four[3]].normal, x, y, z, w);
+    const Four before = x * px + y * py + z * pz - w, after = before + (x * mx + y * my + z * mz);
+    const Mask met = near & ~(((before > margin) & (after > margin)) | ((before < minus_margin) & (after < minus_margin)));
     if (!any(met)) continue;
     for (int lane = 0; lane < 4; lane++) {
-      if (!met[lane] || misses_circle(four[lane], place, move, before[lane], down[lane])) continue;
+      if (!met[lane]) continue;
       const Face &face = faces_[four[lane]];
       const double height = glm::dot(face.normal, place) - face.offset, speed = glm::dot(face.normal, move);
       if (height * speed >= 0.0) continue; // it moves away
@@ -342,7 +333,7 @@ std::uint8_t Walls::nearest_code(const glm::dvec3 &place) const {
 }
 
 std::uint64_t Walls::bytes() const {
-  return vertex_.size() * sizeof vertex_[0] + faces_.size() * sizeof faces_[0] + plane_.size() * (sizeof plane_[0] + sizeof circle_[0]) + list_.size() * sizeof list_[0] +
+  return vertex_.size() * sizeof vertex_[0] + faces_.size() * sizeof faces_[0] + disc_.size() * sizeof disc_[0] + list_.size() * sizeof list_[0] +
          voxel_.size() * sizeof voxel_[0];
 }
 

@@ -100,11 +100,11 @@ public:
   void fetch_list(const Spot &spot) const {
     if (spot.known) __builtin_prefetch(list_.data() + 4 * std::size_t{voxel_[spot.voxel].begin});
   }
-  void fetch_planes(const Spot &spot) const {
+  void fetch_discs(const Spot &spot) const {
     if (!spot.known) return;
     const std::size_t begin = 4 * std::size_t{voxel_[spot.voxel].begin}, end = 4 * std::size_t{voxel_[spot.voxel + 1].begin};
     for (std::size_t i = begin; i < end; i += 4)
-      __builtin_prefetch(&plane_[list_[i]]);
+      __builtin_prefetch(&disc_[list_[i]]);
   }
 
   // Compartment code of the face nearest to a place that lies in a cell; searches outward voxel by voxel.
@@ -125,13 +125,11 @@ private:
     glm::uvec3 corner;
     std::uint32_t source, lift;
   };
-  // The same in float, for the test that dismisses most candidates: kept apart, so that what is near in space
-  // is near in memory and little of it is read.
-  struct alignas(16) Plane {
-    float x = 0.0f, y = 0.0f, z = 0.0f, offset = 1e30f; // as it is: never crossed
-  };
-  struct alignas(16) Circle {
-    float x = 0.0f, y = 0.0f, z = 0.0f, squared_radius = -1.0f;
+  // The same in float, for the test that dismisses most candidates: its plane and a ball around it. Kept apart,
+  // so that what is near in space is near in memory and little of it is read.
+  struct alignas(32) Disc {
+    float normal[3] = {0.0f, 0.0f, 0.0f}, offset = 1e30f; // as it is: never crossed
+    float centre[3] = {0.0f, 0.0f, 0.0f}, radius = 0.0f;
   };
   struct Voxel {
     float free = 0.0f;       // lower bound of the distance from its centre to a membrane
@@ -148,8 +146,6 @@ private:
   void fill_voxels(Workers &workers, const Progress &progress);
   void measure_distance(const std::vector<std::uint8_t> &touched, Workers &workers);
   std::array<glm::dvec3, 3> corners(const Face &face) const;
-  bool misses_circle(std::uint32_t face, const glm::dvec3 &place, const glm::dvec3 &move, float height,
-                     float down) const;
   bool inside(const Face &face, const glm::dvec3 &point) const;
   double outside_radius(const glm::dvec3 &place) const;
 
@@ -172,9 +168,8 @@ private:
   std::vector<glm::dvec3> vertex_, lift_;
   std::vector<Face> faces_;
   std::vector<Voxel> voxel_; // one more than there are
-  std::vector<Plane> plane_;   // one more than there are faces
-  std::vector<Circle> circle_; // of the faces
-  std::vector<std::uint32_t> list_; // of each voxel, filled up to fours by the plane that is never crossed
+  std::vector<Disc> disc_;     // one more than there are faces
+  std::vector<std::uint32_t> list_; // of each voxel, filled up to fours by the disc that is never crossed
   float margin_um_ = 0.0f;     // above the rounding of the float test
   std::vector<std::uint8_t> code_; // of the source faces
 };
