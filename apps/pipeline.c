@@ -24,7 +24,8 @@ static int fail_absent(struct cli *cli, const char *option, const char *kind, co
 
 int pipeline_choose(struct cli *cli, const conceg_recipe *recipe, const char *from, const char *until,
                     struct words *kinds) {
-  static const char *const standard[] = {"place", "triangulate", "grow", "relax", "mesh", "simulate", "analyse", NULL};
+  static const char *const standard[] = {"place", "triangulate", "grow",    "relax",
+                                         "mesh",  "simulate",    "analyse", NULL};
   const conceg_node *own = conceg_node_get(conceg_recipe_root(recipe), "stages");
   /* Signals take longer than all the rest, so they are made when they are asked for. */
   const int simulates = (until && !strcmp(until, "simulate")) || (from && !strcmp(from, "simulate")) ||

@@ -23,9 +23,11 @@ template <class T> void keep(conceg_doc *doc, const char *path, const T *data, s
   array.data = data, array.unit = "";
   must(conceg_doc_write(doc, path, &array));
 }
-template <class T> std::vector<T> kept(conceg_doc *doc, const std::string &file, const char *path, std::size_t count) {
+template <class T>
+std::vector<T> kept(conceg_doc *doc, const std::string &file, const char *path, std::size_t count) {
   const View<T> v = view<T>(doc, path);
-  if (v.rows() != count) fail(CONCEG_E_FORMAT, "%s: %s: expected %zu values, got %zu", file.c_str(), path, count, v.rows());
+  if (v.rows() != count)
+    fail(CONCEG_E_FORMAT, "%s: %s: expected %zu values, got %zu", file.c_str(), path, count, v.rows());
   return std::vector<T>(v.begin(), v.end());
 }
 const double *flat(const std::vector<glm::dvec3> &v) {
@@ -33,7 +35,8 @@ const double *flat(const std::vector<glm::dvec3> &v) {
 }
 std::vector<glm::dvec3> triples(const std::vector<double> &v) {
   std::vector<glm::dvec3> out(v.size() / 3);
-  for (std::size_t i = 0; i < out.size(); i++) out[i] = {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
+  for (std::size_t i = 0; i < out.size(); i++)
+    out[i] = {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
   return out;
 }
 
@@ -47,7 +50,8 @@ Checkpoint::Checkpoint(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *pa
     must(conceg_doc_digest(doc, group, digest));
     key_ += std::string(group) + " " + digest + "\n";
   }
-  key_ += std::string(conceg_params_canonical(params)) + "\nseed " + std::to_string(conceg_ctx_seed(ctx)) + "\n";
+  key_ +=
+      std::string(conceg_params_canonical(params)) + "\nseed " + std::to_string(conceg_ctx_seed(ctx)) + "\n";
   walkers_ = static_cast<std::uint64_t>(conceg_params_i64(params, "walkers"));
   shapes_ = view<double>(doc, "/protocol/shape", view<double>(doc, "/protocol/interval_end").rows()).rows();
   records_ = sorted_times(numbers("times_ms", conceg_params_text(params, "times_ms"), 1e-6, 1e4)).size();
@@ -58,12 +62,14 @@ bool Checkpoint::read(Walked &walked) const {
   conceg_doc *opened = nullptr;
   must(conceg_doc_open(ctx_, path_.c_str(), &opened));
   const Document document(opened, conceg_doc_close);
-  if (!has(opened, "/x_simulate/key")) fail(CONCEG_E_FORMAT, "%s: expected a checkpoint of simulate, got another document", path_.c_str());
+  if (!has(opened, "/x_simulate/key"))
+    fail(CONCEG_E_FORMAT, "%s: expected a checkpoint of simulate, got another document", path_.c_str());
   const char *key = nullptr;
   must(conceg_doc_read_text(opened, "/x_simulate/key", &key));
   if (key_ != key)
     fail(CONCEG_E_PARAM,
-         "checkpoint: %s is of another run (other surfaces, protocol, parameters or seed); give another file, or remove it",
+         "checkpoint: %s is of another run (other surfaces, protocol, parameters or seed); give another "
+         "file, or remove it",
          path_.c_str());
   const std::size_t blocks = (walkers_ + Walked::block - 1) / Walked::block;
   walked.done = kept<std::uint8_t>(opened, path_, "/x_simulate/done", blocks);
@@ -71,8 +77,10 @@ bool Checkpoint::read(Walked &walked) const {
   walked.inside = kept<std::uint8_t>(opened, path_, "/x_simulate/inside", walkers_);
   walked.walkers.count = walkers_;
   walked.walkers.vector = triples(kept<double>(opened, path_, "/x_simulate/vector", 3 * walkers_ * shapes_));
-  walked.walkers.displacement = triples(kept<double>(opened, path_, "/x_simulate/displacement", 3 * walkers_ * records_));
-  if (has(opened, "/x_simulate/weight")) walked.walkers.weight = kept<double>(opened, path_, "/x_simulate/weight", walkers_);
+  walked.walkers.displacement =
+      triples(kept<double>(opened, path_, "/x_simulate/displacement", 3 * walkers_ * records_));
+  if (has(opened, "/x_simulate/weight"))
+    walked.walkers.weight = kept<double>(opened, path_, "/x_simulate/weight", walkers_);
   const std::vector<std::uint64_t> t = kept<std::uint64_t>(opened, path_, "/x_simulate/tally", 7 * blocks);
   for (std::size_t b = 0; b < blocks; b++) {
     const std::uint64_t *of = &t[7 * b];

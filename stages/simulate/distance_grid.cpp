@@ -27,7 +27,8 @@ struct Envelope {
       double s = 0.0;
       for (;; k--) {
         const int r = root[static_cast<std::size_t>(k)];
-        s = ((at(q) - at(r)) / e2 + static_cast<double>(q) * q - static_cast<double>(r) * r) / (2.0 * (q - r));
+        s = ((at(q) - at(r)) / e2 + static_cast<double>(q) * q - static_cast<double>(r) * r) /
+            (2.0 * (q - r));
         if (s > bound[static_cast<std::size_t>(k)]) break;
       }
       k++;
@@ -36,7 +37,8 @@ struct Envelope {
     }
     k = 0;
     for (int p = 0; p < n; p++) {
-      while (bound[static_cast<std::size_t>(k) + 1] < p) k++;
+      while (bound[static_cast<std::size_t>(k) + 1] < p)
+        k++;
       const double d = p - root[static_cast<std::size_t>(k)];
       out[static_cast<std::size_t>(p)] = d * d * e2 + at(root[static_cast<std::size_t>(k)]);
     }
@@ -70,7 +72,8 @@ std::vector<float> distance_between_centres(const DistanceGrid &grid, const std:
       }
     });
   }
-  for (float &d : squared) d = std::sqrt(d);
+  for (float &d : squared)
+    d = std::sqrt(d);
   return squared;
 }
 
@@ -85,7 +88,8 @@ double squared_distance(const glm::dvec3 &p, const glm::dvec3 &a, const glm::dve
   const glm::dvec3 normal = glm::cross(b - a, c - a);
   const double area2 = glm::dot(normal, normal);
   if (area2 > 0.0 && glm::dot(glm::cross(b - a, p - a), normal) >= 0.0 &&
-      glm::dot(glm::cross(c - b, p - b), normal) >= 0.0 && glm::dot(glm::cross(a - c, p - c), normal) >= 0.0) {
+      glm::dot(glm::cross(c - b, p - b), normal) >= 0.0 &&
+      glm::dot(glm::cross(a - c, p - c), normal) >= 0.0) {
     const double height = glm::dot(p - a, normal);
     return height * height / area2;
   }

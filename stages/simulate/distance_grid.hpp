@@ -24,6 +24,7 @@ std::vector<float> distance_between_centres(const DistanceGrid &grid, const std:
                                             Workers &workers);
 
 // Squared distance (um^2) from a point to the triangle abc.
-double squared_distance(const glm::dvec3 &point, const glm::dvec3 &a, const glm::dvec3 &b, const glm::dvec3 &c);
+double squared_distance(const glm::dvec3 &point, const glm::dvec3 &a, const glm::dvec3 &b,
+                        const glm::dvec3 &c);
 
 } // namespace conceg::simulate

@@ -21,13 +21,28 @@ constexpr double half_pi = 1.57079632679489661923;
 // Sine and cosine for |x| <= pi/2, absolute error below 1e-13 (Taylor).
 inline void sine_cosine(double x, double &sine, double &cosine) {
   const double y = x * x;
-  sine = x * (1.0 + y * (-1.0 / 6 + y * (1.0 / 120 + y * (-1.0 / 5040 + y * (1.0 / 362880 + y * (-1.0 / 39916800 + y * (1.0 / 6227020800.0 + y * (-1.0 / 1307674368000.0 + y * (1.0 / 355687428096000.0)))))))));
-  cosine = 1.0 + y * (-0.5 + y * (1.0 / 24 + y * (-1.0 / 720 + y * (1.0 / 40320 + y * (-1.0 / 3628800 + y * (1.0 / 479001600 + y * (-1.0 / 87178291200.0 + y * (1.0 / 20922789888000.0 + y * (-1.0 / 6402373705728000.0)))))))));
+  sine = x * (1.0 + y * (-1.0 / 6 +
+                         y * (1.0 / 120 +
+                              y * (-1.0 / 5040 +
+                                   y * (1.0 / 362880 + y * (-1.0 / 39916800 +
+                                                            y * (1.0 / 6227020800.0 +
+                                                                 y * (-1.0 / 1307674368000.0 +
+                                                                      y * (1.0 / 355687428096000.0)))))))));
+  cosine =
+      1.0 +
+      y * (-0.5 + y * (1.0 / 24 +
+                       y * (-1.0 / 720 +
+                            y * (1.0 / 40320 +
+                                 y * (-1.0 / 3628800 + y * (1.0 / 479001600 +
+                                                            y * (-1.0 / 87178291200.0 +
+                                                                 y * (1.0 / 20922789888000.0 +
+                                                                      y * (-1.0 / 6402373705728000.0)))))))));
 }
 
 // Low and high half of a draw as integers below 2^31, so that the conversion to double is a signed one.
 inline double low_half(std::uint64_t bits) {
-  return static_cast<double>(static_cast<std::int32_t>(static_cast<std::uint32_t>(bits))); // -2^31 .. 2^31 - 1
+  return static_cast<double>(
+      static_cast<std::int32_t>(static_cast<std::uint32_t>(bits))); // -2^31 .. 2^31 - 1
 }
 inline double high_half(std::uint64_t bits) {
   return static_cast<double>(static_cast<std::int32_t>(static_cast<std::uint32_t>(bits >> 32)));
@@ -53,14 +68,16 @@ WIDE void fill_bits(conceg_rng &rng, std::uint64_t bits[draw_block]) {
     }
     k0 += 0x9E3779B9u, k1 += 0xBB67AE85u;
   }
-  for (std::size_t i = 0; i < draw_block; i++) bits[i] = std::uint64_t{c1[i]} << 32 | c0[i];
+  for (std::size_t i = 0; i < draw_block; i++)
+    bits[i] = std::uint64_t{c1[i]} << 32 | c0[i];
   rng.counter += draw_block;
 }
 
 WIDE void fill_directions(const std::uint64_t bits[draw_block], double x[draw_block], double y[draw_block],
                           double z[draw_block]) {
   for (std::size_t i = 0; i < draw_block; i++) {
-    const double height = (low_half(bits[i]) + 0.5) * 0x1p-31, half_angle = (high_half(bits[i]) + 0.5) * (0x1p-31 * half_pi);
+    const double height = (low_half(bits[i]) + 0.5) * 0x1p-31,
+                 half_angle = (high_half(bits[i]) + 0.5) * (0x1p-31 * half_pi);
     double s = 0.0, c = 0.0;
     sine_cosine(half_angle, s, c);
     const double radius = std::sqrt((1.0 - height) * (1.0 + height));

@@ -11,8 +11,8 @@ namespace conceg::simulate {
 
 struct Results {
   std::vector<Compartment> compartment;
-  std::vector<Signals> signals; // of each
-  std::vector<double> time;     // ms
+  std::vector<Signals> signals;            // of each
+  std::vector<double> time;                // ms
   std::vector<std::vector<Spread>> spread; // [compartments][times]
 };
 

@@ -65,11 +65,13 @@ Protocol pulsed(const std::vector<Pulses> &rows) {
   std::vector<double> borders;
   std::map<std::pair<double, double>, std::size_t> shapes;
   for (const Pulses &row : rows) {
-    borders.insert(borders.end(), {row.duration_ms, row.separation_ms, row.separation_ms + row.duration_ms, row.echo_ms});
+    borders.insert(borders.end(),
+                   {row.duration_ms, row.separation_ms, row.separation_ms + row.duration_ms, row.echo_ms});
     shapes.insert({{row.duration_ms, row.separation_ms}, shapes.size()});
   }
   if (shapes.size() > shape_limit)
-    fail(CONCEG_E_UNSUPPORTED, "protocol: expected at most %zu pairs of delta and Delta, got %zu; simulate them in parts",
+    fail(CONCEG_E_UNSUPPORTED,
+         "protocol: expected at most %zu pairs of delta and Delta, got %zu; simulate them in parts",
          shape_limit, shapes.size());
   p.timeline.end = distinct(borders), p.timeline.shapes = shapes.size();
   const std::size_t intervals = p.timeline.intervals();
@@ -78,8 +80,10 @@ Protocol pulsed(const std::vector<Pulses> &rows) {
   for (const auto &[times, k] : shapes)
     for (std::size_t i = 0; i < intervals; i++) {
       const double middle = 0.5 * (p.timeline.end[i] + (i ? p.timeline.end[i - 1] : 0.0));
-      p.timeline.shape[k * intervals + i] =
-          middle < times.first ? 1.0 : middle > times.second && middle < times.first + times.second ? -1.0 : 0.0;
+      p.timeline.shape[k * intervals + i] = middle < times.first ? 1.0
+                                            : middle > times.second && middle < times.first + times.second
+                                                ? -1.0
+                                                : 0.0;
     }
   p.coefficient.assign(rows.size() * shapes.size(), glm::dvec3(0.0));
   for (std::size_t r = 0; r < rows.size(); r++) {
@@ -91,7 +95,8 @@ Protocol pulsed(const std::vector<Pulses> &rows) {
     p.pulse_duration.push_back(row.duration_ms), p.pulse_separation.push_back(row.separation_ms);
     p.echo_time.push_back(row.echo_ms);
     const glm::dvec3 &n = row.direction;
-    p.b_tensor.push_back({row.b * n.x * n.x, row.b * n.y * n.y, row.b * n.z * n.z, row.b * n.x * n.y, row.b * n.x * n.z, row.b * n.y * n.z});
+    p.b_tensor.push_back({row.b * n.x * n.x, row.b * n.y * n.y, row.b * n.z * n.z, row.b * n.x * n.y,
+                          row.b * n.x * n.z, row.b * n.y * n.z});
   }
   return p;
 }
@@ -99,7 +104,8 @@ Protocol pulsed(const std::vector<Pulses> &rows) {
 Protocol sampled(const Waveforms &waveforms) {
   Protocol p;
   std::size_t samples = 0;
-  for (const auto &row : waveforms.row) samples = std::max(samples, row.size());
+  for (const auto &row : waveforms.row)
+    samples = std::max(samples, row.size());
   std::vector<std::vector<double>> basis; // orthonormal over samples
   struct Part {
     std::size_t row;
@@ -118,18 +124,24 @@ Protocol sampled(const Waveforms &waveforms) {
       for (int pass = 0; pass < 2; pass++) // twice is enough for orthogonality to rounding
         for (std::size_t k = 0; k < basis.size(); k++) {
           double share = 0.0;
-          for (std::size_t i = 0; i < samples; i++) share += basis[k][i] * rest[i];
-          for (std::size_t i = 0; i < samples; i++) rest[i] -= share * basis[k][i];
+          for (std::size_t i = 0; i < samples; i++)
+            share += basis[k][i] * rest[i];
+          for (std::size_t i = 0; i < samples; i++)
+            rest[i] -= share * basis[k][i];
           part.share.resize(std::max(part.share.size(), k + 1), 0.0);
           part.share[k] += share;
         }
       left = 0.0;
-      for (const double x : rest) left += x * x;
+      for (const double x : rest)
+        left += x * x;
       if (left > 1e-16 * size && size > 0.0) {
         if (basis.size() == shape_limit)
-          fail(CONCEG_E_UNSUPPORTED, "protocol: expected waveforms that %zu shapes span, got more; simulate them in parts", shape_limit);
+          fail(CONCEG_E_UNSUPPORTED,
+               "protocol: expected waveforms that %zu shapes span, got more; simulate them in parts",
+               shape_limit);
         const double length = std::sqrt(left);
-        for (double &x : rest) x /= length;
+        for (double &x : rest)
+          x /= length;
         part.share.resize(basis.size() + 1, 0.0), part.share[basis.size()] = length;
         basis.push_back(rest);
       }
@@ -139,20 +151,25 @@ Protocol sampled(const Waveforms &waveforms) {
   std::vector<std::size_t> last;
   for (std::size_t i = 0; i < samples; i++) {
     bool border = i + 1 == samples;
-    for (const auto &shape : basis) border = border || std::fabs(shape[i + 1 < samples ? i + 1 : i] - shape[i]) > 1e-15;
+    for (const auto &shape : basis)
+      border = border || std::fabs(shape[i + 1 < samples ? i + 1 : i] - shape[i]) > 1e-15;
     if (border) last.push_back(i);
   }
-  for (const std::size_t i : last) p.timeline.end.push_back(static_cast<double>(i + 1) * waveforms.step_ms);
+  for (const std::size_t i : last)
+    p.timeline.end.push_back(static_cast<double>(i + 1) * waveforms.step_ms);
   p.timeline.shapes = basis.size();
   p.timeline.record.assign(last.size(), 0);
   for (const auto &shape : basis)
-    for (const std::size_t i : last) p.timeline.shape.push_back(shape[i]);
+    for (const std::size_t i : last)
+      p.timeline.shape.push_back(shape[i]);
   p.coefficient.assign(waveforms.row.size() * basis.size(), glm::dvec3(0.0));
   for (const Part &part : parts)
-    for (std::size_t k = 0; k < part.share.size(); k++) p.coefficient[part.row * basis.size() + k][part.axis] = part.share[k];
+    for (std::size_t k = 0; k < part.share.size(); k++)
+      p.coefficient[part.row * basis.size() + k][part.axis] = part.share[k];
   for (const auto &row : waveforms.row) {
     const std::array<double, 6> t = tensor_of(row, waveforms.step_ms);
-    p.b_tensor.push_back(t), p.b.push_back(std::max(0.0, t[0] + t[1] + t[2])), p.direction.push_back(main_axis(t));
+    p.b_tensor.push_back(t), p.b.push_back(std::max(0.0, t[0] + t[1] + t[2])),
+        p.direction.push_back(main_axis(t));
     p.pulse_duration.push_back(0.0), p.pulse_separation.push_back(0.0);
     p.echo_time.push_back(static_cast<double>(samples) * waveforms.step_ms);
   }
@@ -169,7 +186,8 @@ void record_at(Timeline &timeline, const std::vector<double> &times) {
   timeline.shape.assign(timeline.shapes * intervals, 0.0);
   for (std::size_t i = 0; i < intervals; i++) {
     const double middle = 0.5 * (timeline.end[i] + (i ? timeline.end[i - 1] : 0.0));
-    const std::size_t was = static_cast<std::size_t>(std::upper_bound(old.end.begin(), old.end.end(), middle) - old.end.begin());
+    const std::size_t was =
+        static_cast<std::size_t>(std::upper_bound(old.end.begin(), old.end.end(), middle) - old.end.begin());
     for (std::size_t k = 0; k < timeline.shapes && was < old.intervals(); k++)
       timeline.shape[k * intervals + i] = old.shape[k * old.intervals() + was];
     for (const double t : times)
@@ -183,13 +201,18 @@ std::vector<std::uint32_t> shells(const Protocol &p) {
   for (std::size_t r = 0; r < p.measurements(); r++) {
     // Trace, squared norm and determinant tell a tensor up to rotation.
     const std::array<double, 6> &t = p.b_tensor[r];
-    const double norm = t[0] * t[0] + t[1] * t[1] + t[2] * t[2] + 2.0 * (t[3] * t[3] + t[4] * t[4] + t[5] * t[5]);
-    const double determinant = t[0] * (t[1] * t[2] - t[5] * t[5]) - t[3] * (t[3] * t[2] - t[5] * t[4]) + t[4] * (t[3] * t[5] - t[1] * t[4]);
-    const std::array<double, 6> key = {p.b[r], p.pulse_duration[r], p.pulse_separation[r], p.echo_time[r], std::sqrt(norm), std::cbrt(determinant)};
+    const double norm =
+        t[0] * t[0] + t[1] * t[1] + t[2] * t[2] + 2.0 * (t[3] * t[3] + t[4] * t[4] + t[5] * t[5]);
+    const double determinant = t[0] * (t[1] * t[2] - t[5] * t[5]) - t[3] * (t[3] * t[2] - t[5] * t[4]) +
+                               t[4] * (t[3] * t[5] - t[1] * t[4]);
+    const std::array<double, 6> key = {p.b[r],         p.pulse_duration[r], p.pulse_separation[r],
+                                       p.echo_time[r], std::sqrt(norm),     std::cbrt(determinant)};
     std::size_t s = 0;
     for (; s < known.size(); s++) {
       bool same = true;
-      for (std::size_t i = 0; i < 6; i++) same = same && std::fabs(known[s][i] - key[i]) <= 1e-4 * std::max(1e-3, i > 3 ? p.b[r] : std::fabs(key[i]));
+      for (std::size_t i = 0; i < 6; i++)
+        same = same &&
+               std::fabs(known[s][i] - key[i]) <= 1e-4 * std::max(1e-3, i > 3 ? p.b[r] : std::fabs(key[i]));
       if (same) break;
     }
     if (s == known.size()) known.push_back(key);
@@ -218,7 +241,8 @@ std::vector<glm::dvec3> spread_directions(std::size_t count) {
           force[i] += d / (squared * std::sqrt(squared));
         }
       }
-    for (std::size_t i = 0; i < count; i++) n[i] = glm::normalize(n[i] + step * force[i]);
+    for (std::size_t i = 0; i < count; i++)
+      n[i] = glm::normalize(n[i] + step * force[i]);
   }
   return n;
 }

@@ -13,12 +13,12 @@
 namespace conceg::simulate {
 
 struct Protocol {
-  std::vector<double> b;                                   // ms/um^2
-  std::vector<glm::dvec3> direction;                       // unit; any where b is 0
-  std::vector<double> pulse_duration, pulse_separation;    // ms; 0 = not a pair of pulses
-  std::vector<double> echo_time;                           // ms
-  std::vector<std::array<double, 6>> b_tensor;             // xx yy zz xy xz yz, ms/um^2
-  std::vector<glm::dvec3> coefficient;                     // [measurements][shapes], rad/um/ms
+  std::vector<double> b;                                // ms/um^2
+  std::vector<glm::dvec3> direction;                    // unit; any where b is 0
+  std::vector<double> pulse_duration, pulse_separation; // ms; 0 = not a pair of pulses
+  std::vector<double> echo_time;                        // ms
+  std::vector<std::array<double, 6>> b_tensor;          // xx yy zz xy xz yz, ms/um^2
+  std::vector<glm::dvec3> coefficient;                  // [measurements][shapes], rad/um/ms
   Timeline timeline;
   std::size_t measurements() const { return b.size(); }
 };
@@ -34,22 +34,23 @@ struct Pulses {
 // b = (gamma G delta)^2 (Delta - delta / 3); each pair of delta and Delta is one shape.
 Protocol pulsed(const std::vector<Pulses> &rows);
 
-// Gradients by samples: row r, sample i holds gamma G (rad/um/ms) during i * step .. (i + 1) * step. The shapes
-// are an orthogonal basis of all components, so that rotated copies of one encoding share three.
+// Gradients by samples: row r, sample i holds gamma G (rad/um/ms) during i * step .. (i + 1) * step. The
+// shapes are an orthogonal basis of all components, so that rotated copies of one encoding share three.
 struct Waveforms {
   double step_ms = 0.0;
   std::vector<std::vector<glm::dvec3>> row;
 };
 Protocol sampled(const Waveforms &waveforms);
 
-// Adds interval borders at these times (ms) and asks for the displacement there; the timeline grows to the last.
+// Adds interval borders at these times (ms) and asks for the displacement there; the timeline grows to the
+// last.
 void record_at(Timeline &timeline, const std::vector<double> &times);
 
 // Shell of each measurement, numbered by first appearance: same b, times, and eigenvalues of the b-tensor.
 std::vector<std::uint32_t> shells(const Protocol &protocol);
 
-// `count` directions of a half sphere that repel each other and their opposites (Jones et al. 1999), always the
-// same ones.
+// `count` directions of a half sphere that repel each other and their opposites (Jones et al. 1999), always
+// the same ones.
 std::vector<glm::dvec3> spread_directions(std::size_t count);
 
 } // namespace conceg::simulate

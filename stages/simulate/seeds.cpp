@@ -25,7 +25,8 @@ Seeds seed_walkers(const conceg_box &box, const Wanted &wanted, std::uint64_t co
   Seeds out;
   out.position.resize(count), out.cell.resize(count);
   std::vector<conceg_rng> streams(count);
-  for (std::uint64_t i = 0; i < count; i++) streams[i] = conceg_rng_stream(seed, "simulate.seed", i);
+  for (std::uint64_t i = 0; i < count; i++)
+    streams[i] = conceg_rng_stream(seed, "simulate.seed", i);
   std::vector<std::uint64_t> waiting(count);
   std::iota(waiting.begin(), waiting.end(), 0);
   while (!waiting.empty()) {
@@ -37,9 +38,9 @@ Seeds seed_walkers(const conceg_box &box, const Wanted &wanted, std::uint64_t co
       std::int64_t cell[batch];
       for (std::size_t i = begin; i < end; i++)
         for (int axis = 0; axis < 3; axis++)
-          point[i - begin][axis] =
-              box.lo[axis] + wanted.margin_um +
-              (conceg_box_side(&box, axis) - 2.0 * wanted.margin_um) * conceg_rng_uniform(&streams[waiting[i]]);
+          point[i - begin][axis] = box.lo[axis] + wanted.margin_um +
+                                   (conceg_box_side(&box, axis) - 2.0 * wanted.margin_um) *
+                                       conceg_rng_uniform(&streams[waiting[i]]);
       locate(point, end - begin, cell);
       for (std::size_t i = begin; i < end; i++)
         out.position[waiting[i]] = point[i - begin], out.cell[waiting[i]] = cell[i - begin];
@@ -48,7 +49,8 @@ Seeds seed_walkers(const conceg_box &box, const Wanted &wanted, std::uint64_t co
     waiting.erase(std::remove_if(waiting.begin(), waiting.end(),
                                  [&](std::uint64_t i) {
                                    const std::int64_t cell = out.cell[i];
-                                   return cell < 0 ? wanted.extra : wanted.cells[static_cast<std::size_t>(cell)] != 0;
+                                   return cell < 0 ? wanted.extra
+                                                   : wanted.cells[static_cast<std::size_t>(cell)] != 0;
                                  }),
                   waiting.end());
     if (waiting.size() == count && out.tried >= tries_limit)

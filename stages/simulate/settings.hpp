@@ -18,11 +18,13 @@ std::vector<double> sorted_times(std::vector<double> times);
 // um/ms of each face by its compartment code: "0.02" for all, or "soma=0.02,axon=0.01"; empty when all are 0.
 std::vector<double> face_permeability(const std::string &text, const std::vector<std::uint8_t> &code);
 
-inline void put_table(conceg_doc *doc, const char *path, const double *data, std::initializer_list<std::size_t> shape) {
+inline void put_table(conceg_doc *doc, const char *path, const double *data,
+                      std::initializer_list<std::size_t> shape) {
   conceg_array array = {};
   array.size = sizeof array;
   array.dtype = CONCEG_F64;
-  for (const std::size_t extent : shape) array.shape[array.rank++] = extent;
+  for (const std::size_t extent : shape)
+    array.shape[array.rank++] = extent;
   array.data = data;
   must(conceg_doc_write(doc, path, &array));
 }

@@ -31,7 +31,8 @@ Signals mean_signals(const Protocol &protocol, const Walkers &walkers, const Com
   const std::vector<std::uint32_t> shell = shells(protocol);
   const std::size_t shell_count = shell.empty() ? 0 : 1 + *std::max_element(shell.begin(), shell.end());
   std::vector<std::vector<std::size_t>> member(shell_count);
-  for (std::size_t r = 0; r < rows; r++) member[shell[r]].push_back(r);
+  for (std::size_t r = 0; r < rows; r++)
+    member[shell[r]].push_back(r);
   Signals out;
   out.real.resize(rows), out.imaginary.resize(rows), out.powder.resize(shell_count);
   const double n = static_cast<double>(compartment.walker.size());
@@ -45,7 +46,8 @@ Signals mean_signals(const Protocol &protocol, const Walkers &walkers, const Com
       for (std::size_t i = 0; i < member[s].size(); i++) {
         const glm::dvec3 *coefficient = &protocol.coefficient[member[s][i] * shapes];
         double phase = 0.0, sine = 0.0, cosine = 1.0;
-        for (std::size_t k = 0; k < shapes; k++) phase += glm::dot(coefficient[k], walkers.vector[w * shapes + k]);
+        for (std::size_t k = 0; k < shapes; k++)
+          phase += glm::dot(coefficient[k], walkers.vector[w * shapes + k]);
         conceg_sincos(phase, &sine, &cosine);
         real[i].add(weight * cosine - 1.0), imaginary[i] += weight * sine, average += weight * cosine - 1.0;
       }
@@ -65,7 +67,8 @@ Spread spread_at(const Walkers &walkers, const Compartment &compartment, std::si
   const double n = static_cast<double>(compartment.walker.size());
   const glm::dvec3 *moved = &walkers.displacement[time * walkers.count];
   Sums squared;
-  for (const std::uint32_t w : compartment.walker) squared.add(glm::dot(moved[w], moved[w]));
+  for (const std::uint32_t w : compartment.walker)
+    squared.add(glm::dot(moved[w], moved[w]));
   out.msd = mean_of(squared, 0.0, n);
   for (int axis = 0; axis < 3; axis++) {
     Sums second, fourth;
@@ -81,7 +84,8 @@ Spread spread_at(const Walkers &walkers, const Compartment &compartment, std::si
     Sums influence;
     for (const std::uint32_t w : compartment.walker) {
       const double x2 = moved[w][axis] * moved[w][axis];
-      influence.add((x2 * x2 - m4) / (m2.value * m2.value) - 2.0 * m4 * (x2 - m2.value) / (m2.value * m2.value * m2.value));
+      influence.add((x2 * x2 - m4) / (m2.value * m2.value) -
+                    2.0 * m4 * (x2 - m2.value) / (m2.value * m2.value * m2.value));
     }
     out.kurtosis[axis] = {m4 / (m2.value * m2.value) - 3.0, mean_of(influence, 0.0, n).error};
   }

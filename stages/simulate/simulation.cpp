@@ -21,8 +21,10 @@ void store(const Timeline &timeline, const std::vector<Walk> &walks, std::size_t
   for (std::size_t i = 0; i < walks.size(); i++) {
     const Walk &w = walks[i];
     const std::size_t at = first + i;
-    std::copy(w.vector.begin(), w.vector.end(), all.vector.begin() + static_cast<std::ptrdiff_t>(at * timeline.shapes));
-    for (std::size_t t = 0; t < w.displacement.size(); t++) all.displacement[t * all.count + at] = w.displacement[t];
+    std::copy(w.vector.begin(), w.vector.end(),
+              all.vector.begin() + static_cast<std::ptrdiff_t>(at * timeline.shapes));
+    for (std::size_t t = 0; t < w.displacement.size(); t++)
+      all.displacement[t * all.count + at] = w.displacement[t];
     if (!all.weight.empty()) all.weight[at] = w.weight;
     walked.place[at] = w.place, walked.inside[at] = w.inside;
   }
@@ -48,9 +50,11 @@ void walk_all(const Plan &plan, const Walls &walls, const Seeds &seeds, Walked &
   std::vector<std::size_t> waiting;
   for (std::size_t b = 0; b < walked.done.size(); b++)
     if (!walked.done[b]) waiting.push_back(b);
-  std::atomic<std::uint64_t> finished{plan.walkers - std::min<std::uint64_t>(plan.walkers, waiting.size() * Walked::block)};
+  std::atomic<std::uint64_t> finished{plan.walkers -
+                                      std::min<std::uint64_t>(plan.walkers, waiting.size() * Walked::block)};
   auto last_kept = std::chrono::steady_clock::now();
-  const std::size_t round = keep ? blocks_between * workers.threads() : std::max<std::size_t>(1, waiting.size());
+  const std::size_t round =
+      keep ? blocks_between * workers.threads() : std::max<std::size_t>(1, waiting.size());
   for (std::size_t begin = 0; begin < waiting.size(); begin += round) {
     const std::size_t many = std::min(round, waiting.size() - begin);
     const auto walk_block = [&](std::size_t i, unsigned) {
@@ -59,7 +63,9 @@ void walk_all(const Plan &plan, const Walls &walls, const Seeds &seeds, Walked &
       std::vector<Start> start;
       for (std::size_t w = first; w < first + count; w++)
         start.push_back({walls.local(seeds.position[w]), seeds.cell[w] >= 0, w});
-      store(plan.timeline, walk(walls, plan.timeline, plan.physics, start.data(), count, plan.seed, walked.tally[b]), first, walked);
+      store(plan.timeline,
+            walk(walls, plan.timeline, plan.physics, start.data(), count, plan.seed, walked.tally[b]), first,
+            walked);
       walked.done[b] = 1;
       report(progress, "walking", finished += count, plan.walkers);
     };
@@ -70,15 +76,17 @@ void walk_all(const Plan &plan, const Walls &walls, const Seeds &seeds, Walked &
       throw;
     }
     const auto now = std::chrono::steady_clock::now();
-    if (keep && (now - last_kept > std::chrono::seconds(20) || begin + many == waiting.size())) keep(walked), last_kept = now;
+    if (keep && (now - last_kept > std::chrono::seconds(20) || begin + many == waiting.size()))
+      keep(walked), last_kept = now;
   }
 }
 
-Lost find_leaks(const Plan &plan, const Walls &walls, const Seeds &seeds, const Locate &locate, Walked &walked,
-                Workers &workers, const Progress &progress) {
+Lost find_leaks(const Plan &plan, const Walls &walls, const Seeds &seeds, const Locate &locate,
+                Walked &walked, Workers &workers, const Progress &progress) {
   const bool passable = !plan.physics.permeability.empty();
   std::vector<std::uint64_t> open(plan.walkers), next;
-  for (std::uint64_t i = 0; i < plan.walkers; i++) open[i] = i;
+  for (std::uint64_t i = 0; i < plan.walkers; i++)
+    open[i] = i;
   Lost lost;
   for (int attempt = 1;; attempt++) {
     std::vector<std::uint8_t> leaked(open.size());
@@ -87,10 +95,12 @@ Lost find_leaks(const Plan &plan, const Walls &walls, const Seeds &seeds, const 
       const std::size_t begin = b * batch, end = std::min(open.size(), begin + batch);
       glm::dvec3 point[batch];
       std::int64_t cell[batch];
-      for (std::size_t i = begin; i < end; i++) point[i - begin] = walls.position(walked.place[open[i]]);
+      for (std::size_t i = begin; i < end; i++)
+        point[i - begin] = walls.position(walked.place[open[i]]);
       locate(point, end - begin, cell);
       for (std::size_t i = begin; i < end; i++)
-        leaked[i] = passable ? (cell[i - begin] >= 0) != (walked.inside[open[i]] != 0) : cell[i - begin] != seeds.cell[open[i]];
+        leaked[i] = passable ? (cell[i - begin] >= 0) != (walked.inside[open[i]] != 0)
+                             : cell[i - begin] != seeds.cell[open[i]];
     });
     next.clear();
     for (std::size_t i = 0; i < open.size(); i++)
@@ -104,15 +114,19 @@ Lost find_leaks(const Plan &plan, const Walls &walls, const Seeds &seeds, const 
     workers.loop(open.size(), 1, [&](std::size_t i, unsigned worker) {
       const Start start{walls.local(seeds.position[open[i]]), seeds.cell[open[i]] >= 0,
                         open[i] | static_cast<std::uint64_t>(attempt) << attempt_shift};
-      store(plan.timeline, walk(walls, plan.timeline, plan.physics, &start, 1, plan.seed, tally[worker]), open[i], walked);
+      store(plan.timeline, walk(walls, plan.timeline, plan.physics, &start, 1, plan.seed, tally[worker]),
+            open[i], walked);
     });
-    for (const Tally &t : tally) walked.tally.front().add(t);
+    for (const Tally &t : tally)
+      walked.tally.front().add(t);
   }
 }
 
 bool is_closed(const std::vector<glm::uvec3> &face, std::size_t begin, std::size_t end) {
   std::uint64_t sum = 0;
-  const auto edge = [](std::uint32_t a, std::uint32_t b) { return conceg_rng_mix(std::uint64_t{a} << 32 | b); };
+  const auto edge = [](std::uint32_t a, std::uint32_t b) {
+    return conceg_rng_mix(std::uint64_t{a} << 32 | b);
+  };
   for (std::size_t f = begin; f < end; f++)
     for (int k = 0; k < 3; k++) {
       const std::uint32_t a = face[f][k], b = face[f][(k + 1) % 3];

@@ -20,16 +20,16 @@ struct Plan {
 // What has been walked so far; walkers of block i are i * block .. (i + 1) * block.
 struct Walked {
   static constexpr std::size_t block = 64;
-  std::vector<std::uint8_t> done;  // per block
-  std::vector<glm::dvec3> place;   // per walker, local: where it ended
+  std::vector<std::uint8_t> done;   // per block
+  std::vector<glm::dvec3> place;    // per walker, local: where it ended
   std::vector<std::uint8_t> inside; // by the membranes that it passed
   Walkers walkers;
-  std::vector<Tally> tally;        // per block
+  std::vector<Tally> tally; // per block
 };
 
 struct Lost {
-  std::uint64_t leaks = 0;    // walkers found in another cell, or on another side, than their way says
-  std::uint64_t reruns = 0;   // how often one of them walked again, with other draws
+  std::uint64_t leaks = 0;  // walkers found in another cell, or on another side, than their way says
+  std::uint64_t reruns = 0; // how often one of them walked again, with other draws
 };
 
 // Called by one thread, now and then and when the run is cancelled, so that what is done can be kept. May be
@@ -42,8 +42,8 @@ void walk_all(const Plan &plan, const Walls &walls, const Seeds &seeds, Walked &
 
 // Looks for every walker by an independent query; those that are not where they should be walk again, up to
 // five times.
-Lost find_leaks(const Plan &plan, const Walls &walls, const Seeds &seeds, const Locate &locate, Walked &walked,
-                Workers &workers, const Progress &progress);
+Lost find_leaks(const Plan &plan, const Walls &walls, const Seeds &seeds, const Locate &locate,
+                Walked &walked, Workers &workers, const Progress &progress);
 
 // Whether every edge of these faces has a twin of the other direction: by the sum of a hash over all edges.
 bool is_closed(const std::vector<glm::uvec3> &face, std::size_t begin, std::size_t end);

@@ -46,26 +46,30 @@ Tissue::Tissue(conceg_ctx *ctx, conceg_doc *doc)
     for (std::uint64_t v = 0; v < view.vertex_count; v++)
       membranes.vertex.emplace_back(view.vertex[3 * v], view.vertex[3 * v + 1], view.vertex[3 * v + 2]);
     for (std::uint64_t f = 0; f < view.face_count; f++) {
-      membranes.face.emplace_back(view.face[3 * f] + first, view.face[3 * f + 1] + first, view.face[3 * f + 2] + first);
+      membranes.face.emplace_back(view.face[3 * f] + first, view.face[3 * f + 1] + first,
+                                  view.face[3 * f + 2] + first);
       membranes.cell.push_back(view.cell);
       membranes.code.push_back(view.compartment ? view.compartment[f] : std::uint8_t{0});
     }
     if (!is_closed(membranes.face, first_face, membranes.face.size()))
       fail(CONCEG_E_FORMAT,
-           "/meshes: expected closed surfaces, got one with open edges (surface %llu, of cell %u): walkers would leave the "
+           "/meshes: expected closed surfaces, got one with open edges (surface %llu, of cell %u): walkers "
+           "would leave the "
            "cell; mesh it again, or close it with another tool",
            static_cast<unsigned long long>(m), view.cell);
     left_out += view.face_count == 0;
     cell_volume += volume_of(membranes, first_face, membranes.face.size());
   }
   if (left_out)
-    conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "simulate: %llu surfaces without faces", static_cast<unsigned long long>(left_out));
+    conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "simulate: %llu surfaces without faces",
+                   static_cast<unsigned long long>(left_out));
   for (std::uint64_t c = 0; c < conceg_substrate_cells(opened); c++) {
     conceg_cell_view view = {};
     view.size = sizeof view;
     must(conceg_substrate_cell(opened, c, &view));
     soma.push_back({{view.soma[0], view.soma[1], view.soma[2]}, view.soma_radius});
-    type_name.emplace_back(view.type_name ? view.type_name : ""), class_name.emplace_back(view.class_name ? view.class_name : "");
+    type_name.emplace_back(view.type_name ? view.type_name : ""),
+        class_name.emplace_back(view.class_name ? view.class_name : "");
     conceg_skeleton_view skeleton = {};
     skeleton.size = sizeof skeleton;
     must(conceg_substrate_skeleton(opened, c, &skeleton));
@@ -89,17 +93,21 @@ Locate Tissue::locate() const {
 std::vector<std::uint8_t> Tissue::chosen(const std::string &cells, const std::string &kind) const {
   std::vector<std::uint8_t> out(soma.size(), 0);
   bool known = kind.empty(), any = false;
-  for (std::size_t c = 0; c < soma.size(); c++) known = known || type_name[c] == kind || class_name[c] == kind;
+  for (std::size_t c = 0; c < soma.size(); c++)
+    known = known || type_name[c] == kind || class_name[c] == kind;
   if (!known) {
     std::string names;
     for (std::size_t c = 0; c < soma.size(); c++)
       for (const std::string &name : {class_name[c], type_name[c]})
-        if (names.find("\"" + name + "\"") == std::string::npos) names += (names.empty() ? "\"" : ", \"") + name + "\"";
-    fail(CONCEG_E_PARAM, "kind: expected the type or class of a cell (%.600s), got \"%s\"", names.c_str(), kind.c_str());
+        if (names.find("\"" + name + "\"") == std::string::npos)
+          names += (names.empty() ? "\"" : ", \"") + name + "\"";
+    fail(CONCEG_E_PARAM, "kind: expected the type or class of a cell (%.600s), got \"%s\"", names.c_str(),
+         kind.c_str());
   }
   for (const CellInfo &cell : select_cells(substrate_.get(), cells))
     if (kind.empty() || cell.type_name == kind || cell.class_name == kind) out[cell.row] = 1, any = true;
-  if (!any) fail(CONCEG_E_RANGE, "cells: expected a cell of kind \"%s\", got %s", kind.c_str(), cells.c_str());
+  if (!any)
+    fail(CONCEG_E_RANGE, "cells: expected a cell of kind \"%s\", got %s", kind.c_str(), cells.c_str());
   return out;
 }
 

@@ -27,10 +27,10 @@ public:
 
   conceg_box box;
   Membranes membranes;
-  std::vector<Soma> soma;                            // per cell
-  std::vector<std::string> type_name, class_name;    // per cell
-  double cell_volume = 0.0;                          // um^3, by the surfaces, periodic images counted once
-  double thinnest_um = 0.0;                          // least skeleton radius; 0 = no skeleton
+  std::vector<Soma> soma;                         // per cell
+  std::vector<std::string> type_name, class_name; // per cell
+  double cell_volume = 0.0;                       // um^3, by the surfaces, periodic images counted once
+  double thinnest_um = 0.0;                       // least skeleton radius; 0 = no skeleton
   Locate locate() const;
   // 1 for the cells that both words ask for: "all", a row or an id; "" or the name of a type or a class.
   std::vector<std::uint8_t> chosen(const std::string &cells, const std::string &kind) const;

@@ -15,8 +15,6 @@ constexpr int bounce_limit = 100;
 constexpr double jump_reach = 5.0;
 constexpr std::uint64_t least_jump = 4; // steps; below, single steps are quicker
 
-constexpr std::size_t packet = 8;      // walkers that take turns, so that one's memory is fetched meanwhile
-
 // The walker while it walks.
 struct State {
   glm::dvec3 place, displacement;
@@ -30,24 +28,18 @@ public:
       : walls_(walls), timeline_(timeline), physics_(physics),
         directions_(conceg_rng_stream(seed, "simulate.step", start.number)),
         normals_(conceg_rng_stream(seed, "simulate.jump", start.number)),
-        passing_(conceg_rng_stream(seed, "simulate.pass", start.number)), tally_(tally),
-        state_{start.place, glm::dvec3(0.0), start.inside, false} {
+        passing_(conceg_rng_stream(seed, "simulate.pass", start.number)),
+        tally_(tally), state_{start.place, glm::dvec3(0.0), start.inside, false} {
     out_.vector.assign(timeline.shapes, glm::dvec3(0.0));
     begin_interval();
-    look();
+    spot_ = walls_.spot(state_.place);
   }
-  void fetch_list() const { walls_.fetch_list(spot_); }
-  void fetch_discs() const { walls_.fetch_discs(spot_); }
   // One step or jump; false when the timeline is over.
   bool move();
   Walk result() const;
 
 private:
   const Medium &medium(bool inside) const { return inside ? physics_.intra : physics_.extra; }
-  void look() {
-    spot_ = walls_.spot(state_.place);
-    walls_.fetch_voxel(spot_);
-  }
   void begin_interval();
   void end_interval();
   void step();
@@ -71,7 +63,7 @@ private:
   std::uint64_t left_ = 0; // steps
   double begin_ms_ = 0.0, step_ms_ = 0.0;
   bool with_area_ = false;
-  glm::dvec3 area_ = glm::dvec3(0.0);      // integral of the displacement, um ms
+  glm::dvec3 area_ = glm::dvec3(0.0);                  // integral of the displacement, um ms
   double length_[2], jump_square_[2], jump_radius_[2]; // outside, inside
   double inside_ms_ = 0.0;
 };
@@ -108,7 +100,8 @@ bool Walker::move() {
   std::uint64_t many = 1;
   tally_.moves++;
   const bool was_inside = state_.inside;
-  if (physics_.jumps && left_ >= least_jump && walls_.is_free(spot_, state_.place, jump_radius_[state_.inside])) {
+  if (physics_.jumps && left_ >= least_jump &&
+      walls_.is_free(spot_, state_.place, jump_radius_[state_.inside])) {
     const double radius = walls_.free_radius(spot_, state_.place) - clearance_um;
     many = static_cast<std::uint64_t>(
         std::min(static_cast<double>(left_), std::max(1.0, radius * radius / jump_square_[state_.inside])));
@@ -127,7 +120,7 @@ bool Walker::move() {
     return false;
   }
   if (!left_) end_interval();
-  look();
+  spot_ = walls_.spot(state_.place);
   return true;
 }
 
@@ -149,8 +142,8 @@ bool Walker::passes(std::uint32_t face, double length, const Medium &here) {
 }
 
 // One straight move of at most the walls' reach that is reflected on its way, its length preserved. The area
-// gains the integral of the displacement along the broken line; `rest`, what is still to come of a longer move,
-// is turned with it. After too many reflections the walker stays where it was.
+// gains the integral of the displacement along the broken line; `rest`, what is still to come of a longer
+// move, is turned with it. After too many reflections the walker stays where it was.
 void Walker::bounce(glm::dvec3 move, double time, glm::dvec3 &rest) {
   const glm::dvec3 rest_before = rest;
   glm::dvec3 place = state_.place, gained(0.0);
@@ -258,23 +251,16 @@ std::size_t Timeline::records() const {
   return static_cast<std::size_t>(std::count(record.begin(), record.end(), std::uint8_t{1}));
 }
 
-std::vector<Walk> walk(const Walls &walls, const Timeline &timeline, const Physics &physics, const Start *start,
-                       std::size_t count, std::uint64_t seed, Tally &tally) {
+std::vector<Walk> walk(const Walls &walls, const Timeline &timeline, const Physics &physics,
+                       const Start *start, std::size_t count, std::uint64_t seed, Tally &tally) {
   std::vector<Walk> out;
   out.reserve(count);
-  for (std::size_t begin = 0; begin < count; begin += packet) {
-    const std::size_t many = std::min(packet, count - begin);
-    std::vector<Walker> walkers;
-    walkers.reserve(many);
-    for (std::size_t i = 0; i < many; i++)
-      walkers.emplace_back(walls, timeline, physics, start[begin + i], seed, tally);
-    for (bool walking = true; walking;) {
-      walking = false;
-      for (const Walker &w : walkers) w.fetch_list();
-      for (const Walker &w : walkers) w.fetch_discs();
-      for (Walker &w : walkers) walking |= w.move();
+  // One after the other: walkers that take turns drive each other's surroundings out of the cache.
+  for (std::size_t i = 0; i < count; i++) {
+    Walker walker(walls, timeline, physics, start[i], seed, tally);
+    while (walker.move()) {
     }
-    for (const Walker &w : walkers) out.push_back(w.result());
+    out.push_back(walker.result());
   }
   return out;
 }

@@ -41,10 +41,10 @@ inline double step_length(const Medium &medium, double step_ms) {
 }
 
 struct Tally {
-  std::uint64_t steps = 0;       // of step_ms of simulated time
-  std::uint64_t moves = 0;       // steps and jumps that were made
-  std::uint64_t jumps = 0;       // of them jumps
-  std::uint64_t casts = 0;       // moves held against membranes
+  std::uint64_t steps = 0; // of step_ms of simulated time
+  std::uint64_t moves = 0; // steps and jumps that were made
+  std::uint64_t jumps = 0; // of them jumps
+  std::uint64_t casts = 0; // moves held against membranes
   std::uint64_t reflections = 0;
   std::uint64_t passages = 0;
   std::uint64_t retractions = 0; // moves taken back after too many reflections
@@ -52,8 +52,8 @@ struct Tally {
 };
 
 struct Walk {
-  glm::dvec3 place;                     // local (Walls), at the end
-  bool inside = false;                  // a cell, by the membranes passed
+  glm::dvec3 place;    // local (Walls), at the end
+  bool inside = false; // a cell, by the membranes passed
   bool absorbed = false;
   double absorbed_ms = 0.0;
   double weight = 1.0;                  // left by relaxation
@@ -62,13 +62,13 @@ struct Walk {
 };
 
 struct Start {
-  glm::dvec3 place; // local (Walls)
-  bool inside;      // a cell
+  glm::dvec3 place;     // local (Walls)
+  bool inside;          // a cell
   std::uint64_t number; // of the walker: its draws depend on this and the seed alone
 };
 
 // Each walker's way through the whole timeline. The longest step must not exceed the walls' reach.
-std::vector<Walk> walk(const Walls &walls, const Timeline &timeline, const Physics &physics, const Start *start,
-                       std::size_t count, std::uint64_t seed, Tally &tally);
+std::vector<Walk> walk(const Walls &walls, const Timeline &timeline, const Physics &physics,
+                       const Start *start, std::size_t count, std::uint64_t seed, Tally &tally);
 
 } // namespace conceg::simulate

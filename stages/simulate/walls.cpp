@@ -27,9 +27,11 @@ typedef std::int32_t Mask __attribute__((vector_size(16)));
 #define LANES(a, b, i, j, k, l) __builtin_shuffle(a, b, Mask{i, j, k, l})
 #endif
 // Rows of four floats, turned to columns.
-inline void columns(const float *p, const float *q, const float *r, const float *s, Four &x, Four &y, Four &z, Four &w) {
+inline void columns(const float *p, const float *q, const float *r, const float *s, Four &x, Four &y, Four &z,
+                    Four &w) {
   Four a, b, c, d;
-  __builtin_memcpy(&a, p, 16), __builtin_memcpy(&b, q, 16), __builtin_memcpy(&c, r, 16), __builtin_memcpy(&d, s, 16);
+  __builtin_memcpy(&a, p, 16), __builtin_memcpy(&b, q, 16), __builtin_memcpy(&c, r, 16),
+      __builtin_memcpy(&d, s, 16);
   const Four ab_low = LANES(a, b, 0, 4, 1, 5), ab_high = LANES(a, b, 2, 6, 3, 7);
   const Four cd_low = LANES(c, d, 0, 4, 1, 5), cd_high = LANES(c, d, 2, 6, 3, 7);
   x = LANES(ab_low, cd_low, 0, 1, 4, 5), y = LANES(ab_low, cd_low, 2, 3, 6, 7);
@@ -68,13 +70,15 @@ void Walls::choose_grid(std::size_t faces) {
   }
   const glm::dvec3 extent = highest - lowest;
   const double crowd = std::cbrt(std::max(1.0, static_cast<double>(faces) / 8e6));
-  const double width = std::max({finest_voxel_um * crowd, reach_, std::cbrt(extent.x * extent.y * extent.z / (0.5 * voxel_limit))});
+  const double width = std::max(
+      {finest_voxel_um * crowd, reach_, std::cbrt(extent.x * extent.y * extent.z / (0.5 * voxel_limit))});
   double total = 1.0;
   for (int axis = 0; axis < 3; axis++) {
     const double voxels = std::ceil(extent[axis] / width);
     total *= voxels;
     if (!(total <= voxel_limit))
-      fail(CONCEG_E_RANGE, "walls: expected a box, with its cells, that %g voxels of %g um cover, got %g x %g x %g um",
+      fail(CONCEG_E_RANGE,
+           "walls: expected a box, with its cells, that %g voxels of %g um cover, got %g x %g x %g um",
            voxel_limit, width, extent.x, extent.y, extent.z);
     count_[axis] = static_cast<int>(voxels);
     edge_[axis] = extent[axis] / voxels, scale_[axis] = voxels / extent[axis];
@@ -120,7 +124,8 @@ std::vector<Walls::Entry> Walls::entries(std::size_t begin, std::size_t end) con
   for (std::size_t f = begin; f < end; f++) {
     const Face &face = faces_[f];
     const std::array<glm::dvec3, 3> p = corners(face);
-    const glm::dvec3 low = glm::min(p[0], glm::min(p[1], p[2])) - rim, high = glm::max(p[0], glm::max(p[1], p[2])) + rim;
+    const glm::dvec3 low = glm::min(p[0], glm::min(p[1], p[2])) - rim,
+                     high = glm::max(p[0], glm::max(p[1], p[2])) + rim;
     const double plane = 0.5 * glm::dot(glm::abs(face.normal), edge_) + reach_ + 2.0 * clearance_um;
     glm::ivec3 from, to;
     bool meets = true;
@@ -143,11 +148,13 @@ std::vector<Walls::Entry> Walls::entries(std::size_t begin, std::size_t end) con
   return found;
 }
 
-// What is near in space comes to be near in memory: by the interleaved bits of its place. Then the float copies.
+// What is near in space comes to be near in memory: by the interleaved bits of its place. Then the float
+// copies.
 void Walls::sort_images() {
   const auto spread_bits = [](std::uint64_t x) {
     std::uint64_t out = 0;
-    for (int bit = 0; bit < 21; bit++) out |= (x >> bit & 1) << (3 * bit);
+    for (int bit = 0; bit < 21; bit++)
+      out |= (x >> bit & 1) << (3 * bit);
     return out;
   };
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order(faces_.size());
@@ -160,7 +167,8 @@ void Walls::sort_images() {
   }
   std::sort(order.begin(), order.end());
   std::vector<Face> sorted(faces_.size());
-  for (std::size_t f = 0; f < order.size(); f++) sorted[f] = faces_[order[f].second];
+  for (std::size_t f = 0; f < order.size(); f++)
+    sorted[f] = faces_[order[f].second];
   faces_.swap(sorted);
 
   double largest = reach_;
@@ -172,11 +180,14 @@ void Walls::sort_images() {
     const Face &face = faces_[f];
     const std::array<glm::dvec3, 3> p = corners(face);
     const glm::dvec3 middle = (p[0] + p[1] + p[2]) / 3.0;
-    const double radius = std::max({glm::length(p[0] - middle), glm::length(p[1] - middle), glm::length(p[2] - middle)});
+    const double radius =
+        std::max({glm::length(p[0] - middle), glm::length(p[1] - middle), glm::length(p[2] - middle)});
     Disc &d = disc_[f];
     for (int axis = 0; axis < 3; axis++)
-      d.normal[axis] = static_cast<float>(face.normal[axis]), d.centre[axis] = static_cast<float>(middle[axis]);
-    d.offset = static_cast<float>(face.offset), d.radius = static_cast<float>(radius + 2.0 * clearance_um) + margin_um_;
+      d.normal[axis] = static_cast<float>(face.normal[axis]),
+      d.centre[axis] = static_cast<float>(middle[axis]);
+    d.offset = static_cast<float>(face.offset),
+    d.radius = static_cast<float>(radius + 2.0 * clearance_um) + margin_um_;
   }
 }
 
@@ -230,7 +241,8 @@ void Walls::fill_voxels(Workers &workers, const Progress &progress) {
 void Walls::measure_distance(const std::vector<std::uint8_t> &touched, Workers &workers) {
   DistanceGrid grid;
   for (int axis = 0; axis < 3; axis++)
-    grid.count[axis] = count_[axis], grid.edge[axis] = edge_[axis], grid.periodic[axis] = box_.periodic[axis] != 0;
+    grid.count[axis] = count_[axis], grid.edge[axis] = edge_[axis],
+    grid.periodic[axis] = box_.periodic[axis] != 0;
   const std::vector<float> between = distance_between_centres(grid, touched, workers);
   const double half_diagonal = 0.5 * glm::length(edge_);
   for (std::size_t v = 0; v < between.size(); v++)
@@ -240,7 +252,8 @@ void Walls::measure_distance(const std::vector<std::uint8_t> &touched, Workers &
 double Walls::outside_radius(const glm::dvec3 &place) const {
   double squared = 0.0;
   for (int axis = 0; axis < 3; axis++) {
-    const double over = std::max({0.0, low_[axis] - place[axis], place[axis] - (low_[axis] + count_[axis] * edge_[axis])});
+    const double over =
+        std::max({0.0, low_[axis] - place[axis], place[axis] - (low_[axis] + count_[axis] * edge_[axis])});
     squared += over * over;
   }
   return reach_ + std::sqrt(squared);
@@ -266,21 +279,26 @@ Contact Walls::first_contact(const Spot &spot, const glm::dvec3 &place, const gl
   };
   const Four px = spread(place.x), py = spread(place.y), pz = spread(place.z);
   const Four mx = spread(move.x), my = spread(move.y), mz = spread(move.z);
-  const Four hx = spread(place.x + 0.5 * move.x), hy = spread(place.y + 0.5 * move.y), hz = spread(place.z + 0.5 * move.z);
+  const Four hx = spread(place.x + 0.5 * move.x), hy = spread(place.y + 0.5 * move.y),
+             hz = spread(place.z + 0.5 * move.z);
   const Four half = spread(0.5 * glm::length(move) + 2.0 * static_cast<double>(margin_um_));
   const Four margin = spread(static_cast<double>(margin_um_)), minus_margin = -margin;
   double crossing = 1.0;
   const std::uint32_t *const end = list_.data() + 4 * std::size_t{voxel_[spot.voxel + 1].begin};
-  for (const std::uint32_t *four = list_.data() + 4 * std::size_t{voxel_[spot.voxel].begin}; four != end; four += 4) {
+  for (const std::uint32_t *four = list_.data() + 4 * std::size_t{voxel_[spot.voxel].begin}; four != end;
+       four += 4) {
     Four x, y, z, w;
     // Balls around the faces that the ball around the move meets.
-    columns(disc_[four[0]].centre, disc_[four[1]].centre, disc_[four[2]].centre, disc_[four[3]].centre, x, y, z, w);
+    columns(disc_[four[0]].centre, disc_[four[1]].centre, disc_[four[2]].centre, disc_[four[3]].centre, x, y,
+            z, w);
     x -= hx, y -= hy, z -= hz, w += half;
     const Mask near = x * x + y * y + z * z <= w * w;
     // Planes that the move crosses, or touches within the margin: not both ends above or both below.
-    columns(disc_[four[0]].normal, disc_[four[1]].normal, disc_[four[2]].normal, disc_[four[3]].normal, x, y, z, w);
+    columns(disc_[four[0]].normal, disc_[four[1]].normal, disc_[four[2]].normal, disc_[four[3]].normal, x, y,
+            z, w);
     const Four before = x * px + y * py + z * pz - w, after = before + (x * mx + y * my + z * mz);
-    const Mask met = near & ~(((before > margin) & (after > margin)) | ((before < minus_margin) & (after < minus_margin)));
+    const Mask met =
+        near & ~(((before > margin) & (after > margin)) | ((before < minus_margin) & (after < minus_margin)));
     if (!any(met)) continue;
     for (int lane = 0; lane < 4; lane++) {
       if (!met[lane]) continue;
@@ -317,9 +335,11 @@ std::uint8_t Walls::nearest_code(const glm::dvec3 &place) const {
     for (int z = from.z; z <= to.z; z++)
       for (int y = from.y; y <= to.y; y++)
         for (int x = from.x; x <= to.x; x++) {
-          if (std::max({std::abs(x - middle.x), std::abs(y - middle.y), std::abs(z - middle.z)}) != ring) continue;
+          if (std::max({std::abs(x - middle.x), std::abs(y - middle.y), std::abs(z - middle.z)}) != ring)
+            continue;
           const std::size_t v = voxel_index(x, y, z);
-          for (std::size_t i = 4 * std::size_t{voxel_[v].begin}; i < 4 * std::size_t{voxel_[v + 1].begin}; i++) {
+          for (std::size_t i = 4 * std::size_t{voxel_[v].begin}; i < 4 * std::size_t{voxel_[v + 1].begin};
+               i++) {
             const std::uint32_t f = list_[i];
             if (f == faces_.size()) continue;
             const std::array<glm::dvec3, 3> p = corners(faces_[f]);
@@ -333,8 +353,8 @@ std::uint8_t Walls::nearest_code(const glm::dvec3 &place) const {
 }
 
 std::uint64_t Walls::bytes() const {
-  return vertex_.size() * sizeof vertex_[0] + faces_.size() * sizeof faces_[0] + disc_.size() * sizeof disc_[0] + list_.size() * sizeof list_[0] +
-         voxel_.size() * sizeof voxel_[0];
+  return vertex_.size() * sizeof vertex_[0] + faces_.size() * sizeof faces_[0] +
+         disc_.size() * sizeof disc_[0] + list_.size() * sizeof list_[0] + voxel_.size() * sizeof voxel_[0];
 }
 
 } // namespace conceg::simulate

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The membranes as a walker meets them: the box is cut into voxels, and each lists the triangle images that a
-// move from within it can meet, so that one look finds all candidates; planes in float dismiss most of them, our
-// own double arithmetic decides about the rest. Each voxel also knows how far the nearest membrane is at least.
+// move from within it can meet, so that one look finds all candidates; planes in float dismiss most of them,
+// our own double arithmetic decides about the rest. Each voxel also knows how far the nearest membrane is at
+// least.
 #pragma once
 
 #include "parallel.hpp"
@@ -67,10 +68,12 @@ public:
   Spot spot(const glm::dvec3 &place) const {
     const double fx = (place.x - low_.x) * scale_.x, fy = (place.y - low_.y) * scale_.y,
                  fz = (place.z - low_.z) * scale_.z;
-    if (any_open_ && !(fx >= 0.0 && fy >= 0.0 && fz >= 0.0 && fx < count_.x && fy < count_.y && fz < count_.z))
+    if (any_open_ &&
+        !(fx >= 0.0 && fy >= 0.0 && fz >= 0.0 && fx < count_.x && fy < count_.y && fz < count_.z))
       return {};
     // Rounding of the product may reach count_ just below a periodic side.
-    const int x = std::min(static_cast<int>(fx), count_.x - 1), y = std::min(static_cast<int>(fy), count_.y - 1),
+    const int x = std::min(static_cast<int>(fx), count_.x - 1),
+              y = std::min(static_cast<int>(fy), count_.y - 1),
               z = std::min(static_cast<int>(fz), count_.z - 1);
     Spot s;
     s.voxel = voxel_index(x, y, z), s.known = true;
@@ -80,7 +83,8 @@ public:
   // No membrane is nearer than this (um); not above 0 when that is not known.
   double free_radius(const Spot &spot, const glm::dvec3 &place) const {
     if (!spot.known) return outside_radius(place);
-    return static_cast<double>(voxel_[spot.voxel].free) - std::sqrt(glm::dot(spot.from_centre, spot.from_centre));
+    return static_cast<double>(voxel_[spot.voxel].free) -
+           std::sqrt(glm::dot(spot.from_centre, spot.from_centre));
   }
   // free_radius > radius, without a root.
   bool is_free(const Spot &spot, const glm::dvec3 &place, double radius) const {
@@ -92,20 +96,6 @@ public:
   // The first membrane, seen from any side, that a move from `place` meets or comes closer to than the
   // clearance. The move is not longer than the reach.
   Contact first_contact(const Spot &spot, const glm::dvec3 &place, const glm::dvec3 &move) const;
-
-  // Asks for the memory that is_free and first_contact will read.
-  void fetch_voxel(const Spot &spot) const {
-    if (spot.known) __builtin_prefetch(&voxel_[spot.voxel]);
-  }
-  void fetch_list(const Spot &spot) const {
-    if (spot.known) __builtin_prefetch(list_.data() + 4 * std::size_t{voxel_[spot.voxel].begin});
-  }
-  void fetch_discs(const Spot &spot) const {
-    if (!spot.known) return;
-    const std::size_t begin = 4 * std::size_t{voxel_[spot.voxel].begin}, end = 4 * std::size_t{voxel_[spot.voxel + 1].begin};
-    for (std::size_t i = begin; i < end; i += 4)
-      __builtin_prefetch(&disc_[list_[i]]);
-  }
 
   // Compartment code of the face nearest to a place that lies in a cell; searches outward voxel by voxel.
   std::uint8_t nearest_code(const glm::dvec3 &place) const;
@@ -125,8 +115,8 @@ private:
     glm::uvec3 corner;
     std::uint32_t source, lift;
   };
-  // The same in float, for the test that dismisses most candidates: its plane and a ball around it. Kept apart,
-  // so that what is near in space is near in memory and little of it is read.
+  // The same in float, for the test that dismisses most candidates: its plane and a ball around it. Kept
+  // apart, so that what is near in space is near in memory and little of it is read.
   struct alignas(32) Disc {
     float normal[3] = {0.0f, 0.0f, 0.0f}, offset = 1e30f; // as it is: never crossed
     float centre[3] = {0.0f, 0.0f, 0.0f}, radius = 0.0f;
@@ -167,11 +157,11 @@ private:
   glm::ivec3 count_;
   std::vector<glm::dvec3> vertex_, lift_;
   std::vector<Face> faces_;
-  std::vector<Voxel> voxel_; // one more than there are
-  std::vector<Disc> disc_;     // one more than there are faces
+  std::vector<Voxel> voxel_;        // one more than there are
+  std::vector<Disc> disc_;          // one more than there are faces
   std::vector<std::uint32_t> list_; // of each voxel, filled up to fours by the disc that is never crossed
-  float margin_um_ = 0.0f;     // above the rounding of the float test
-  std::vector<std::uint8_t> code_; // of the source faces
+  float margin_um_ = 0.0f;          // above the rounding of the float test
+  std::vector<std::uint8_t> code_;  // of the source faces
 };
 
 } // namespace conceg::simulate

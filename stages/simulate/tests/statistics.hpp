@@ -19,7 +19,8 @@ struct ChiSquare {
     const double front = std::exp(a * std::log(x) - x - std::lgamma(a));
     if (x < a + 1.0) {
       double term = 1.0 / a, sum = term;
-      for (int n = 1; n < 1000; n++) term *= x / (a + n), sum += term;
+      for (int n = 1; n < 1000; n++)
+        term *= x / (a + n), sum += term;
       return 1.0 - front * sum;
     }
     double b = x + 1.0 - a, c = 1e300, d = 1.0 / b, h = d;
@@ -39,17 +40,20 @@ struct Deviation {
 // Rows of samples (one per walker) against expected means. The chi-square takes the samples' covariance into
 // account (Hotelling), by Cholesky decomposition of the correlation matrix; values that the ones before
 // determine to 1e-2 of their variance are left out of it.
-inline Deviation deviation(const std::vector<std::vector<double>> &sample, const std::vector<double> &expected) {
+inline Deviation deviation(const std::vector<std::vector<double>> &sample,
+                           const std::vector<double> &expected) {
   const std::size_t n = sample.size(), k = expected.size();
   Deviation out;
   out.mean.assign(k, 0.0), out.error.assign(k, 0.0), out.z.assign(k, 0.0);
   for (const auto &row : sample)
-    for (std::size_t i = 0; i < k; i++) out.mean[i] += row[i] / static_cast<double>(n);
+    for (std::size_t i = 0; i < k; i++)
+      out.mean[i] += row[i] / static_cast<double>(n);
   std::vector<std::vector<double>> cov(k, std::vector<double>(k, 0.0));
   for (const auto &row : sample)
     for (std::size_t i = 0; i < k; i++)
       for (std::size_t j = 0; j < k; j++)
-        cov[i][j] += (row[i] - out.mean[i]) * (row[j] - out.mean[j]) / static_cast<double>(n - 1) / static_cast<double>(n);
+        cov[i][j] += (row[i] - out.mean[i]) * (row[j] - out.mean[j]) / static_cast<double>(n - 1) /
+                     static_cast<double>(n);
   for (std::size_t i = 0; i < k; i++) {
     out.error[i] = std::sqrt(cov[i][i]);
     out.z[i] = out.error[i] > 0.0 ? (out.mean[i] - expected[i]) / out.error[i] : 0.0;
@@ -63,7 +67,8 @@ inline Deviation deviation(const std::vector<std::vector<double>> &sample, const
     double left = 1.0, value = out.z[i];
     for (std::size_t a = 0; a < kept.size(); a++) {
       double x = cov[i][kept[a]] / out.error[i] / out.error[kept[a]];
-      for (std::size_t b = 0; b < a; b++) x -= row[b] * factor[a][b];
+      for (std::size_t b = 0; b < a; b++)
+        x -= row[b] * factor[a][b];
       x /= factor[a][a];
       row.push_back(x), left -= x * x, value -= x * solved[a];
     }

@@ -23,7 +23,7 @@ struct Case {
   double size = 0.0;
   conceg_box box;
   Membranes membranes;
-  std::vector<glm::dvec3> axes; // of the gradient
+  std::vector<glm::dvec3> axes;                         // of the gradient
   std::function<double(const glm::dvec3 &)> outside_um; // of the pore; negative within
 };
 
@@ -54,7 +54,8 @@ std::vector<Start> starts(const Case &c, const Walls &walls, std::size_t count, 
     conceg_rng rng = conceg_rng_stream(seed, "test.start", i);
     glm::dvec3 p;
     do {
-      for (int axis = 0; axis < 3; axis++) p[axis] = conceg_box_side(&c.box, axis) * conceg_rng_uniform(&rng);
+      for (int axis = 0; axis < 3; axis++)
+        p[axis] = conceg_box_side(&c.box, axis) * conceg_rng_uniform(&rng);
     } while (c.outside_um(p) > -0.002 * c.size);
     out.push_back({walls.local(p), true, i});
   }
@@ -76,26 +77,35 @@ int main(int argc, char **argv) {
     physics.intra.diffusivity = g.diffusivity;
     // A step must be short beside the pore.
     physics.step_ms = std::min(1e-3, g.size * g.size / 250.0 / g.diffusivity);
-    const Walls walls(c.box, c.membranes, 1.01 * step_length(physics.intra, physics.step_ms), workers, Progress());
+    const Walls walls(c.box, c.membranes, 1.01 * step_length(physics.intra, physics.step_ms), workers,
+                      Progress());
     std::vector<Pulses> rows;
     for (const double b : golden_b)
-      for (const glm::dvec3 &axis : c.axes) rows.push_back({b, axis, 5.0, 20.0, 25.0, 0});
+      for (const glm::dvec3 &axis : c.axes)
+        rows.push_back({b, axis, 5.0, 20.0, 25.0, 0});
     const Protocol protocol = pulsed(rows);
     const std::vector<Start> start = starts(c, walls, count, seed);
-    std::vector<std::vector<double>> cosine(count, std::vector<double>(9)); // per walker and b, mean over axes
+    std::vector<std::vector<double>> cosine(count,
+                                            std::vector<double>(9)); // per walker and b, mean over axes
     std::vector<Tally> tally(workers.threads());
     std::vector<std::uint8_t> lost(count);
     workers.loop((count + 7) / 8, 1, [&](std::size_t block, unsigned worker) {
       const std::size_t begin = 8 * block, many = std::min<std::size_t>(8, count - begin);
-      const std::vector<Walk> walks = walk(walls, protocol.timeline, physics, &start[begin], many, seed, tally[worker]);
+      const std::vector<Walk> walks =
+          walk(walls, protocol.timeline, physics, &start[begin], many, seed, tally[worker]);
       for (std::size_t i = 0; i < many; i++) {
-        lost[begin + i] = c.outside_um(walls.position(walks[i].place)) > 0.002 * g.size; // facets reach a little out
+        lost[begin + i] =
+            c.outside_um(walls.position(walks[i].place)) > 0.002 * g.size; // facets reach a little out
         for (std::size_t r = 0; r < rows.size(); r++)
-          cosine[begin + i][r / c.axes.size()] += std::cos(glm::dot(protocol.coefficient[r], walks[i].vector[0])) / static_cast<double>(c.axes.size());
+          cosine[begin + i][r / c.axes.size()] +=
+              std::cos(glm::dot(protocol.coefficient[r], walks[i].vector[0])) /
+              static_cast<double>(c.axes.size());
       }
     });
-    for (const Tally &t : tally) steps += t.steps, retractions += t.retractions;
-    for (const std::uint8_t l : lost) leaks += l;
+    for (const Tally &t : tally)
+      steps += t.steps, retractions += t.retractions;
+    for (const std::uint8_t l : lost)
+      leaks += l;
     const Deviation d = deviation(cosine, std::vector<double>(g.signal, g.signal + 9));
     std::printf("%-14s", g.name);
     for (std::size_t k = 0; k < 9; k++) {
@@ -109,9 +119,11 @@ int main(int argc, char **argv) {
       CHECK(std::fabs(d.mean[4] - approximate_sphere_7[2]) > 4.5 * d.error[4]);
     }
   }
-  std::printf("seed %llu, %zu walkers a case, %.3g steps: largest |z| %.2f, chi2 %.1f of %zu, p %.4f; leaks: %llu, retractions: %llu\n",
-              static_cast<unsigned long long>(seed), count, static_cast<double>(steps), worst, all.value, all.degrees, all.p(),
-              static_cast<unsigned long long>(leaks), static_cast<unsigned long long>(retractions));
+  std::printf("seed %llu, %zu walkers a case, %.3g steps: largest |z| %.2f, chi2 %.1f of %zu, p %.4f; leaks: "
+              "%llu, retractions: %llu\n",
+              static_cast<unsigned long long>(seed), count, static_cast<double>(steps), worst, all.value,
+              all.degrees, all.p(), static_cast<unsigned long long>(leaks),
+              static_cast<unsigned long long>(retractions));
   CHECK(worst <= 4.5);
   CHECK(all.p() > 0.001);
   CHECK_EQUAL(leaks, 0);
