@@ -24,13 +24,17 @@ static int fail_absent(struct cli *cli, const char *option, const char *kind, co
 
 int pipeline_choose(struct cli *cli, const conceg_recipe *recipe, const char *from, const char *until,
                     struct words *kinds) {
-  static const char *const standard[] = {"place", "triangulate", "grow", "relax", "mesh", "analyse", NULL};
+  static const char *const standard[] = {"place", "triangulate", "grow",    "relax",
+                                         "mesh",  "simulate",    "analyse", NULL};
   const conceg_node *own = conceg_node_get(conceg_recipe_root(recipe), "stages");
+  /* Signals take longer than all the rest, so they are made when they are asked for. */
+  const int simulates = (until && !strcmp(until, "simulate")) || (from && !strcmp(from, "simulate")) ||
+                        conceg_node_get(conceg_recipe_root(recipe), "simulate");
   uint32_t i, first = 0;
   for (i = 0; i < conceg_node_count(own); i++)
     words_add(kinds, conceg_node_text(conceg_node_at(own, i)));
   for (i = 0; !own && standard[i]; i++)
-    words_add(kinds, standard[i]);
+    if (simulates || strcmp(standard[i], "simulate")) words_add(kinds, standard[i]);
   if (!kinds->count) return cli_fail(cli, EXIT_USAGE, "the recipe's list of stages is empty");
   if (from) {
     first = find_kind(kinds, from);

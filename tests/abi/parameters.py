@@ -30,6 +30,12 @@ instead = {
     "export.pulse_ms": ("4", "the upper bound is longer than the separation"),
     "export.separation_ms": ("30", "any other value shows"),
     "grow.max_edge_um": ("1", "any shorter edge shows"),
+    "simulate.walkers": ("50", "the upper bound takes a year"),
+    "simulate.margin_um": ("2", "at the upper bound no room is left"),
+    "simulate.directions": ("3", "at the upper bound the directions take a minute"),
+    "simulate.separation_ms": ("3", "both bounds are refused beside the other times, or take long"),
+    "simulate.echo_ms": ("4", "the upper bound is ten seconds of walking"),
+    "simulate.step_ms": ("0.05", "the lower bound takes a thousand times the steps"),
     "analyse.points": ("1000", "the upper bound takes minutes"),
     "analyse.field_step_um": ("1", "the lower bound is the default, the upper one is wider than a cell"),
     "render.samples": ("1", "the upper bound takes a minute"),
@@ -57,6 +63,10 @@ same = {
     "characterise.pictures": "a folder for pictures beside the document",
     "characterise.beside": "grown cells for those pictures",
     "mesh.vdb": "a file beside the document",
+    "simulate.csv": "a folder for tables beside the document",
+    "simulate.nifti": "a folder for images beside the document",
+    "simulate.pictures": "a folder for the figure beside the document",
+    "simulate.checkpoint": "a file for a run that goes on",
     "fit.csv": "a folder for files beside the document",
     "fit.pictures": "a folder for pictures beside the document",
     "export.dir": "where the files go, not what is in them",
@@ -72,6 +82,16 @@ texts = {
     "characterise.pictures": "{work}/pictures",
     "characterise.beside": "{work}/mesh.cgx",
     "mesh.vdb": "{work}/cells.vdb",
+    "simulate.cells": "0",
+    "simulate.kind": "pyramidal",
+    "simulate.protocol": "{work}/one.scheme",
+    "simulate.b": "0,2",
+    "simulate.permeability": "0.05",
+    "simulate.times_ms": "0.5",
+    "simulate.csv": "{work}/signals",
+    "simulate.nifti": "{work}/signals",
+    "simulate.pictures": "{work}/signals",
+    "simulate.checkpoint": "{work}/kept.cgx",
     "fit.compartment": "intra",
     "fit.free": "none",
     "fit.csv": "{work}/csv",
@@ -109,7 +129,8 @@ needs = {
     "render.cut_axis": ["--what", "cut"],
     "render.cut_position": ["--what", "cut"],
 }
-quick = {"render": ["--size-px", "96"], "analyse": ["--points", "20000"], "mesh": ["--h-um", "0.6"], "relax": ["--iterations", "8"],
+quick = {"simulate": ["--walkers", "100", "--step-ms", "0.02", "--b", "0,1", "--directions", "2", "--delta-ms", "1", "--separation-ms", "2"],
+         "render": ["--size-px", "96"], "analyse": ["--points", "20000"], "mesh": ["--h-um", "0.6"], "relax": ["--iterations", "8"],
          "fit": ["--starts", "4"]}
 
 cell = """1 1 0 0 0 5 -1
@@ -152,6 +173,7 @@ class Parameters:
         recipe.write_text((self.source / "tests/pipe/small.yaml").read_text().replace("[28, 28, 28]", "[20, 20, 20]").replace("1.4e-4", "2.6e-4"))
         self.must("run", recipe, "--until", until, "--set", "mesh.h_um=0.6", "-q", "--checkpoint", work / "made", "-o", work / "mesh.cgx")
         (work / "cell.swc").write_text(cell)
+        (work / "one.scheme").write_text("VERSION: STEJSKALTANNER\n1 0 0 0.5 0.003 0.001 0.004\n")
         (work / "loose-trees.swc").write_text(cell + "16 3 50 0 0 0.4 -1\n17 3 55 0 0 0.4 16\n")
         (work / "pieces.swc").write_text(cell + "16 2 0 -5 0 0.2 1\n17 2 0 -30 0 0.2 16\n18 2 0 -40 0 0.2 -1\n19 2 0 -60 0 0.2 18\n")
         (work / "loose.swc").write_text(cell.replace("2 4 0 0 5 1 1", "2.0 4 0 0 5 1 1"))
@@ -173,7 +195,7 @@ class Parameters:
         made = work / "made"
         self.inputs = {
             "place": ["-p", recipe], "triangulate": [made / "01-place.cgx"], "grow": [made / "02-triangulate.cgx"], "relax": [made / "03-grow.cgx"],
-            "mesh": [made / "04-relax.cgx"], "analyse": [work / "mesh.cgx"], "export": [work / "mesh.cgx"], "render": [work / "mesh.cgx"],
+            "mesh": [made / "04-relax.cgx"], "analyse": [work / "mesh.cgx"], "simulate": [work / "mesh.cgx"], "export": [work / "mesh.cgx"], "render": [work / "mesh.cgx"],
             "fit": [work / "signals.cgx"],
             "characterise": [work / "cell.swc"], "import": ["swc", work / "loose-trees.swc"],
         }

@@ -31,6 +31,7 @@ for stage in $stages; do
     grow) set -- conceg grow cp/02-triangulate.cgx ;;
     relax) set -- conceg relax cp/03-grow.cgx ;;
     mesh) set -- conceg mesh cp/04-relax.cgx --set mesh.h_um=0.5 ;;
+    simulate) set -- conceg simulate mesh.cgx --walkers 2000 --step-ms 0.01 ;;
     analyse) set -- conceg analyse mesh.cgx ;;
     fit) set -- conceg fit signals.cgx --kernel exact ;;
     characterise) set -- conceg characterise --class pyramidal cells/swc/*.swc ;;

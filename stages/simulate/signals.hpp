@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From walkers to signals: means over the walkers of a compartment, with standard errors.
+#pragma once
+
+#include "parallel.hpp"
+#include "protocol.hpp"
+
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace conceg::simulate {
+
+struct Walkers {
+  std::vector<glm::dvec3> vector;       // [walkers][shapes], um ms
+  std::vector<double> weight;           // [walkers]; empty = all 1
+  std::vector<glm::dvec3> displacement; // [times][walkers], um
+  std::size_t count = 0;
+};
+
+// Walkers that are averaged together.
+struct Compartment {
+  std::string name;
+  std::vector<std::uint32_t> walker;
+};
+
+struct Mean {
+  double value = 0.0, error = 0.0; // of the mean: sd / sqrt(n)
+};
+
+struct Signals {
+  std::vector<Mean> real;        // [measurements]: mean of weight * cos(phase)
+  std::vector<double> imaginary; // [measurements]: mean of weight * sin(phase)
+  std::vector<Mean> powder;      // [shells]: mean over the directions too
+};
+Signals mean_signals(const Protocol &protocol, const Walkers &walkers, const Compartment &compartment,
+                     Workers &workers);
+
+// What moved how far by a time.
+struct Spread {
+  Mean msd;            // um^2
+  Mean diffusivity[3]; // um^2/ms, along each axis: <x^2> / (2 t)
+  Mean kurtosis[3];    // <x^4> / <x^2>^2 - 3
+};
+Spread spread_at(const Walkers &walkers, const Compartment &compartment, std::size_t time, double time_ms);
+
+} // namespace conceg::simulate

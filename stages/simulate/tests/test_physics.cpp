@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Laws that walkers must keep: free diffusion, displacements in pores, the surface-to-volume law of short
+// times, absorption through a permeable wall, detailed balance, the order of the mesh's error, a cut
+// cylinder. test_physics [SEED FACTOR]: FACTOR times the walkers; every value is printed with its z score.
+#include "shapes.hpp"
+#include "statistics.hpp"
+
+#include "../protocol.hpp"
+#include "../signals.hpp"
+
+#include "check.h"
+
+using namespace conceg;
+using namespace conceg::simulate;
+using namespace conceg::simulate::testing;
+
+namespace {
+
+std::uint64_t seed = 1;
+std::size_t factor = 1;
+double worst = 0.0;
+ChiSquare all;
+
+void report(const char *what, double mean, double error, double expected) {
+  const double z = error > 0.0 ? (mean - expected) / error : 0.0;
+  std::printf("  %-44s %.6f (%.1e), expected %.6f, z %+.2f\n", what, mean, error, expected, z);
+  worst = std::max(worst, std::fabs(z));
+}
+// Correlated values of one case.
+void hold(const char *what, const std::vector<std::vector<double>> &sample,
+          const std::vector<double> &expected) {
+  const Deviation d = deviation(sample, expected);
+  for (std::size_t i = 0; i < expected.size(); i++)
+    report(what, d.mean[i], d.error[i], expected[i]);
+  all.add(d.chi2);
+}
+void hold_one(const char *what, double mean, double error, double expected) {
+  report(what, mean, error, expected);
+  all.value += (mean - expected) * (mean - expected) / error / error, all.degrees++;
+}
+
+std::vector<Start> starts_in_sphere(const Walls &walls, const glm::dvec3 &centre, double radius,
+                                    std::size_t count) {
+  std::vector<Start> out;
+  for (std::uint64_t i = 0; i < count; i++) {
+    conceg_rng rng = conceg_rng_stream(seed, "test.start", i);
+    glm::dvec3 p;
+    do {
+      for (int axis = 0; axis < 3; axis++)
+        p[axis] = radius * (2.0 * conceg_rng_uniform(&rng) - 1.0);
+    } while (glm::length(p) > radius);
+    out.push_back({walls.local(centre + 0.999 * p), true, i});
+  }
+  return out;
+}
+
+std::vector<Walk> go(const Walls &walls, const Timeline &timeline, const Physics &physics,
+                     const std::vector<Start> &start, Workers &workers) {
+  std::vector<Walk> out(start.size());
+  std::vector<Tally> tally(workers.threads());
+  workers.loop((start.size() + 15) / 16, 1, [&](std::size_t b, unsigned worker) {
+    const std::size_t begin = 16 * b, many = std::min<std::size_t>(16, start.size() - begin);
+    const std::vector<Walk> part = walk(walls, timeline, physics, &start[begin], many, seed, tally[worker]);
+    std::copy(part.begin(), part.end(), out.begin() + static_cast<std::ptrdiff_t>(begin));
+  });
+  return out;
+}
+
+Timeline recorded(const std::vector<double> &times) {
+  Timeline t;
+  record_at(t, times);
+  return t;
+}
+
+void test_free(Workers &workers) {
+  const conceg_box box = cube(20.0);
+  const Walls walls(box, Membranes(), 0.12, workers, Progress());
+  for (const bool jumps : {true, false}) {
+    Physics physics;
+    physics.jumps = jumps;
+    Protocol protocol = pulsed(
+        {{1.0, {1, 0, 0}, 5, 20, 25, 0}, {3.0, {0, 1, 0}, 5, 20, 25, 0}, {0.5, {0, 0, 1}, 5, 20, 25, 0}});
+    record_at(protocol.timeline, {0.01, 25.0});
+    const std::size_t count = (jumps ? 40000 : 300) * factor;
+    std::vector<Start> start;
+    for (std::uint64_t i = 0; i < count; i++)
+      start.push_back({glm::dvec3(10.0), false, i});
+    const std::vector<Walk> walks = go(walls, protocol.timeline, physics, start, workers);
+    std::vector<std::vector<double>> sample;
+    double second = 0.0, fourth = 0.0;
+    for (const Walk &w : walks) {
+      std::vector<double> row;
+      for (std::size_t r = 0; r < 3; r++)
+        row.push_back(std::cos(glm::dot(protocol.coefficient[r], w.vector[0])));
+      row.push_back(glm::dot(w.displacement[1], w.displacement[1]));
+      row.push_back(glm::dot(w.displacement[0], w.displacement[0]));
+      sample.push_back(row);
+      for (int a = 0; a < 3; a++)
+        second += std::pow(w.displacement[0][a], 2) / 3.0, fourth += std::pow(w.displacement[0][a], 4) / 3.0;
+    }
+    hold(jumps ? "free, jumps: S at b 1, 3, 0.5; MSD at 25, 0.01"
+               : "free, steps: S at b 1, 3, 0.5; MSD at 25, 0.01",
+         sample, {0.13533528, 2.47875218e-3, std::exp(-1.0), 300.0, 0.12});
+    if (jumps) continue;
+    // Ten steps of fixed length.
+    const double n = static_cast<double>(count);
+    std::printf("  free, ten steps: excess kurtosis %.3f (%.3f), -6/(5 n) = -0.120\n",
+                n * fourth / second / second - 3.0, std::sqrt(8.0 / n));
+    CHECK_NEAR(n * fourth / second / second - 3.0, -0.12, 4.5 * std::sqrt(8.0 / n));
+  }
+}
+
+// Displacements in pores: mean squares (sphere, series of eigenvalues), short-pulse signals after 10 ms and
+// in the limit.
+void test_displacements(Workers &workers) {
+  const conceg_box box = cube(12.0);
+  const std::vector<double> times = {1.0, 5.0, 10.0, 20.0, 50.0};
+  const Timeline timeline = recorded(times);
+  const double q[3] = {0.2, 0.5, 0.8};
+  const Physics physics;
+  {
+    Membranes m;
+    add_sphere(m, glm::dvec3(6.0), 5.0, 5);
+    const Walls walls(box, m, 0.12, workers, Progress());
+    std::vector<std::vector<double>> msd, signal;
+    for (const Walk &w :
+         go(walls, timeline, physics, starts_in_sphere(walls, glm::dvec3(6.0), 5.0, 800 * factor), workers)) {
+      std::vector<double> row, cosines;
+      for (std::size_t t = 0; t < 4; t++)
+        row.push_back(glm::dot(w.displacement[t], w.displacement[t]));
+      for (const std::size_t t : {2u, 4u})
+        for (const double k : q)
+          cosines.push_back((std::cos(k * w.displacement[t].x) + std::cos(k * w.displacement[t].y) +
+                             std::cos(k * w.displacement[t].z)) /
+                            3.0);
+      msd.push_back(row), signal.push_back(cosines);
+    }
+    hold("sphere 5: MSD at 1, 5, 10, 20 ms", msd, {9.00082200, 24.75533543, 29.07315800, 29.97105446});
+    hold("sphere 5: short pulses, 10 ms and limit", signal,
+         {0.82169887, 0.26502953, 0.01513474, 0.81632316, 0.24945588, 0.00758346});
+  }
+  {
+    Membranes m;
+    add_cylinder(m, 6.0, 6.0, 5.0, 12.0, 256);
+    const Walls walls(box, m, 0.12, workers, Progress());
+    std::vector<Start> start;
+    for (std::uint64_t i = 0; i < 500 * factor; i++) {
+      conceg_rng rng = conceg_rng_stream(seed, "test.cylinder", i);
+      const double r = 4.99 * std::sqrt(conceg_rng_uniform(&rng)), a = 2.0 * M_PI * conceg_rng_uniform(&rng);
+      start.push_back(
+          {{6.0 + r * std::cos(a), 6.0 + r * std::sin(a), 12.0 * conceg_rng_uniform(&rng)}, true, i});
+    }
+    std::vector<std::vector<double>> signal;
+    for (const Walk &w : go(walls, timeline, physics, start, workers)) {
+      std::vector<double> row;
+      for (const std::size_t t : {2u, 4u})
+        for (const double k : q)
+          row.push_back(0.5 * (std::cos(k * w.displacement[t].x) + std::cos(k * w.displacement[t].y)));
+      // Along the cylinder, which the box cuts: free.
+      row.push_back(std::cos(0.2 * w.displacement[2].z)),
+          row.push_back(w.displacement[4].z * w.displacement[4].z);
+      signal.push_back(row);
+    }
+    hold("cylinder 5: short pulses; along it free", signal,
+         {0.78853025, 0.19343985, 0.01225514, 0.77457807, 0.15814563, 0.00109043, std::exp(-0.04 * 20.0),
+          200.0});
+  }
+  {
+    Membranes m;
+    add_plane(m, 1.0, 12.0, false), add_plane(m, 11.0, 12.0, true);
+    const Walls walls(box, m, 0.12, workers, Progress());
+    std::vector<Start> start;
+    for (std::uint64_t i = 0; i < 500 * factor; i++) {
+      conceg_rng rng = conceg_rng_stream(seed, "test.plane", i);
+      start.push_back({{6.0, 6.0, 1.0 + 10.0 * conceg_rng_uniform(&rng)}, true, i});
+    }
+    std::vector<std::vector<double>> signal;
+    for (const Walk &w : go(walls, timeline, physics, start, workers)) {
+      std::vector<double> row;
+      for (const std::size_t t : {2u, 4u})
+        for (const double k : q)
+          row.push_back(std::cos(k * w.displacement[t].z));
+      signal.push_back(row);
+    }
+    // The limit at 50 ms is short of its last 4e-5.
+    hold("planes 10: short pulses", signal,
+         {0.74574556, 0.13532526, 0.04634914, 0.70807342, 0.05730703, 0.03579688});
+  }
+}
+
+// D(t) / D0 = 1 - 4 / (9 sqrt pi) S/V sqrt(D0 t) + ... (Mitra et al. 1993). The way of the same draws without
+// walls is known on average and takes most of the noise away.
+void test_surface(Workers &workers) {
+  const conceg_box box = cube(12.0);
+  Membranes m;
+  add_sphere(m, glm::dvec3(6.0), 5.0, 5);
+  const Walls walls(box, m, 0.12, workers, Progress());
+  Physics physics;
+  physics.jumps = false, physics.step_ms = 2e-4;
+  const std::vector<double> times = {0.01, 0.02, 0.05};
+  const std::vector<double> exact = {0.97832330, 0, 0.95042905};
+  const Timeline timeline = recorded(times);
+  const std::vector<Start> start = starts_in_sphere(walls, glm::dvec3(6.0), 5.0, 160000 * factor);
+  const std::vector<Walk> walks = go(walls, timeline, physics, start, workers);
+  std::vector<std::vector<double>> sample;
+  for (std::size_t i = 0; i < walks.size(); i++) {
+    Directions directions(conceg_rng_stream(seed, "simulate.step", i));
+    glm::dvec3 free(0.0);
+    std::vector<double> row;
+    double begin = 0.0;
+    for (std::size_t t = 0; t < times.size(); t++) {
+      const double steps = std::round((times[t] - begin) / 2e-4);
+      for (int k = 0; k < static_cast<int>(steps); k++)
+        free += std::sqrt(12.0 * 2e-4) * directions.next();
+      begin = times[t];
+      const double less = glm::dot(free, free) - glm::dot(walks[i].displacement[t], walks[i].displacement[t]);
+      row.push_back(1.0 - less / (12.0 * times[t]));
+    }
+    sample.push_back({row[0], row[2], row[1]});
+  }
+  const Deviation d = deviation(sample, {exact[0], exact[2], 0.0});
+  report("sphere 5: D(t) / D0 at 0.01 ms", d.mean[0], d.error[0], exact[0]);
+  report("sphere 5: D(t) / D0 at 0.05 ms", d.mean[1], d.error[1], exact[2]);
+  // With the next term, curvature (2 / R) D0 t / 12, of a ball: S/V from 0.05 ms.
+  const double law = 4.0 / (9.0 * std::sqrt(M_PI)) * std::sqrt(2.0 * 0.05) + 2.0 / 5.0 / 12.0 * 2.0 * 0.05;
+  const double ratio = (1.0 - d.mean[1]) / law;
+  std::printf("  S/V by D(t): %.4f, of the sphere 0.6000\n", ratio);
+  CHECK_NEAR(ratio, 0.6, 0.03 * 0.6);
+}
+
+// A sphere whose outside swallows: survival by the series of mu cot mu = 1 - kappa R / D.
+void test_absorption(Workers &workers) {
+  const conceg_box box = cube(12.0);
+  Membranes m;
+  add_sphere(m, glm::dvec3(6.0), 5.0, 4);
+  const Walls walls(box, m, 0.12, workers, Progress());
+  Physics physics;
+  physics.permeability.assign(m.face.size(), 0.05), physics.absorb = true;
+  const std::vector<double> times = {1.0, 5.0, 10.0, 25.0},
+                            survival = {0.97095175, 0.86366806, 0.74611883, 0.48105144};
+  std::vector<std::vector<double>> sample;
+  for (const Walk &w : go(walls, recorded(times), physics,
+                          starts_in_sphere(walls, glm::dvec3(6.0), 5.0, 3000 * factor), workers)) {
+    std::vector<double> row;
+    for (const double t : times)
+      row.push_back(!w.absorbed || w.absorbed_ms > t ? 1.0 : 0.0);
+    sample.push_back(row);
+  }
+  hold("absorbing sphere: survival at 1, 5, 10, 25 ms", sample, survival);
+}
+
+// Walkers spread evenly stay so, also where the media differ.
+void test_balance(Workers &workers) {
+  const conceg_box box = cube(9.0);
+  Membranes m;
+  add_sphere(m, glm::dvec3(4.5), 4.0, 4);
+  for (const double outside : {2.0, 0.7}) {
+    Physics physics;
+    physics.extra.diffusivity = outside, physics.permeability.assign(m.face.size(), 0.2);
+    const Walls walls(box, m, 0.12, workers, Progress());
+    std::vector<Start> start;
+    const double share = 4.0 / 3.0 * M_PI * 64.0 / 729.0;
+    for (std::uint64_t i = 0; i < 3000 * factor; i++) {
+      conceg_rng rng = conceg_rng_stream(seed, "test.balance", i);
+      glm::dvec3 p;
+      for (int axis = 0; axis < 3; axis++)
+        p[axis] = 9.0 * conceg_rng_uniform(&rng);
+      start.push_back({p, glm::distance(p, glm::dvec3(4.5)) < 4.0, i});
+    }
+    double inside = 0.0, wrong = 0.0;
+    for (const Walk &w : go(walls, recorded({10.0}), physics, start, workers)) {
+      inside += w.inside;
+      const double r = glm::distance(walls.position(w.place), glm::dvec3(4.5));
+      wrong += std::fabs(r - 4.0) > 0.02 && (r < 4.0) != w.inside;
+    }
+    const double n = static_cast<double>(start.size());
+    hold_one(outside == 2.0 ? "balance, D 2 and 2" : "balance, D 2 and 0.7", inside / n,
+             std::sqrt(share * (1.0 - share) / n), share);
+    CHECK_EQUAL(wrong, 0);
+  }
+}
+
+// Corners on the sphere: the error of coarse meshes falls as the square of the edge.
+void test_refinement(Workers &workers) {
+  const conceg_box box = cube(12.0);
+  double difference[2];
+  double error[2];
+  const Protocol protocol = pulsed(
+      {{3.0, {1, 0, 0}, 5, 20, 25, 0}, {3.0, {0, 1, 0}, 5, 20, 25, 0}, {3.0, {0, 0, 1}, 5, 20, 25, 0}});
+  for (int rounds = 1; rounds <= 2; rounds++) {
+    Membranes m;
+    add_sphere(m, glm::dvec3(6.0), 5.0, rounds);
+    double farthest = 0.0;
+    for (const glm::dvec3 &v : m.vertex)
+      farthest = std::max(farthest, glm::distance(v, glm::dvec3(6.0)));
+    for (glm::dvec3 &v : m.vertex)
+      v = glm::dvec3(6.0) + (v - glm::dvec3(6.0)) * (5.0 / farthest);
+    const Walls walls(box, m, 0.12, workers, Progress());
+    double inner =
+        5.0; // the ball within all faces: walkers begin anywhere inside, by rejection with the faces
+    for (const glm::uvec3 &f : m.face) {
+      const glm::dvec3 n =
+          glm::normalize(glm::cross(m.vertex[f.y] - m.vertex[f.x], m.vertex[f.z] - m.vertex[f.x]));
+      inner = std::min(inner, glm::dot(n, m.vertex[f.x] - glm::dvec3(6.0)));
+    }
+    std::vector<Start> start;
+    for (const Start &s : starts_in_sphere(walls, glm::dvec3(6.0), 5.0, 3000 * factor)) {
+      bool inside = true;
+      for (const glm::uvec3 &f : m.face)
+        inside = inside && glm::dot(glm::cross(m.vertex[f.y] - m.vertex[f.x], m.vertex[f.z] - m.vertex[f.x]),
+                                    s.place - m.vertex[f.x]) < -1e-6;
+      if (inside) start.push_back(s);
+    }
+    std::vector<std::vector<double>> sample;
+    for (const Walk &w : go(walls, protocol.timeline, Physics(), start, workers)) {
+      double mean = 0.0;
+      for (const glm::dvec3 &c : protocol.coefficient)
+        mean += std::cos(glm::dot(c, w.vector[0])) / 3.0;
+      sample.push_back({mean});
+    }
+    const Deviation d = deviation(sample, {0.60093273});
+    difference[rounds - 1] = d.mean[0] - 0.60093273, error[rounds - 1] = d.error[0];
+  }
+  const double ratio = difference[0] / difference[1],
+               spread = ratio * std::hypot(error[0] / difference[0], error[1] / difference[1]);
+  std::printf(
+      "  mesh of 80 and 320 faces: error %.4f (%.4f) and %.4f (%.4f), ratio %.2f (%.2f), 4 expected\n",
+      difference[0], error[0], difference[1], error[1], ratio, spread);
+  CHECK(difference[0] > 4.5 * error[0]);
+  CHECK_NEAR(difference[1], difference[0] / 4.0, 4.5 * std::hypot(error[1], error[0] / 4.0));
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+  if (argc > 1) seed = std::strtoull(argv[1], nullptr, 10);
+  if (argc > 2) factor = std::strtoull(argv[2], nullptr, 10);
+  Workers workers(2);
+  test_free(workers);
+  test_displacements(workers);
+  test_surface(workers);
+  test_absorption(workers);
+  test_balance(workers);
+  test_refinement(workers);
+  std::printf("seed %llu: largest |z| %.2f; chi2 %.1f of %zu, p %.4f\n",
+              static_cast<unsigned long long>(seed), worst, all.value, all.degrees, all.p());
+  CHECK(worst <= 4.5);
+  CHECK(all.p() > 0.001);
+  return check_done();
+}

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The membranes as a walker meets them: the box is cut into voxels, and each lists the triangle images that a
+// move from within it can meet, so that one look finds all candidates; planes in float dismiss most of them,
+// our own double arithmetic decides about the rest. Each voxel also knows how far the nearest membrane is at
+// least.
+#pragma once
+
+#include "parallel.hpp"
+#include "wrap.hpp"
+
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace conceg::simulate {
+
+// A walker never comes nearer to a membrane than this (um): far above the rounding of double coordinates,
+// far below a step.
+inline constexpr double clearance_um = 1e-6;
+
+// Triangles of all cells: vertices in um, corners anticlockwise seen from outside.
+struct Membranes {
+  std::vector<glm::dvec3> vertex;
+  std::vector<glm::uvec3> face;
+  std::vector<std::uint32_t> cell; // per face
+  std::vector<std::uint8_t> code;  // per face: compartment
+};
+
+struct Contact {
+  double at = 1.0; // share of the move until it is `clearance_um` short of the membrane
+  std::uint32_t face = none;
+  glm::dvec3 normal = glm::dvec3(0.0); // outward, unit
+  static constexpr std::uint32_t none = ~0u;
+};
+
+// Where a place lies among the voxels.
+struct Spot {
+  std::size_t voxel = 0;
+  glm::dvec3 from_centre = glm::dvec3(0.0);
+  bool known = false; // false: beyond the grid on an open axis, and beyond the reach of every membrane
+};
+
+class Walls {
+public:
+  // `reach_um`: the longest move that first_contact will be asked for. E_RANGE when the grid would be too
+  // large, or a face lies too far away.
+  Walls(const conceg_box &box, const Membranes &membranes, double reach_um, Workers &workers,
+        const Progress &progress);
+
+  // Places below are local: from the box's lower corner, inside the box on periodic axes.
+  glm::dvec3 local(const glm::dvec3 &position) const { return wrap(box_, position) - origin_; }
+  glm::dvec3 position(const glm::dvec3 &place) const { return place + origin_; }
+  // Brings a place that left the box by less than a side back into it, on periodic axes.
+  void wrap_place(glm::dvec3 &place) const {
+    for (int axis = 0; axis < 3; axis++) {
+      if (place[axis] < side_[axis] && place[axis] >= 0.0) continue;
+      if (!box_.periodic[axis]) continue;
+      place[axis] -= side_[axis] * std::floor(place[axis] / side_[axis]);
+      if (place[axis] >= side_[axis]) place[axis] = 0.0; // -1e-20 + side rounds to side
+    }
+  }
+
+  Spot spot(const glm::dvec3 &place) const {
+    const double fx = (place.x - low_.x) * scale_.x, fy = (place.y - low_.y) * scale_.y,
+                 fz = (place.z - low_.z) * scale_.z;
+    if (any_open_ &&
+        !(fx >= 0.0 && fy >= 0.0 && fz >= 0.0 && fx < count_.x && fy < count_.y && fz < count_.z))
+      return {};
+    // Rounding of the product may reach count_ just below a periodic side.
+    const int x = std::min(static_cast<int>(fx), count_.x - 1),
+              y = std::min(static_cast<int>(fy), count_.y - 1),
+              z = std::min(static_cast<int>(fz), count_.z - 1);
+    Spot s;
+    s.voxel = voxel_index(x, y, z), s.known = true;
+    s.from_centre = {(fx - x - 0.5) * edge_.x, (fy - y - 0.5) * edge_.y, (fz - z - 0.5) * edge_.z};
+    return s;
+  }
+  // No membrane is nearer than this (um); not above 0 when that is not known.
+  double free_radius(const Spot &spot, const glm::dvec3 &place) const {
+    if (!spot.known) return outside_radius(place);
+    return static_cast<double>(voxel_[spot.voxel].free) -
+           std::sqrt(glm::dot(spot.from_centre, spot.from_centre));
+  }
+  // free_radius > radius, without a root.
+  bool is_free(const Spot &spot, const glm::dvec3 &place, double radius) const {
+    if (!spot.known) return outside_radius(place) > radius;
+    const double slack = static_cast<double>(voxel_[spot.voxel].free) - radius;
+    return slack > 0.0 && glm::dot(spot.from_centre, spot.from_centre) < slack * slack;
+  }
+
+  // The first membrane, seen from any side, that a move from `place` meets or comes closer to than the
+  // clearance. The move is not longer than the reach.
+  Contact first_contact(const Spot &spot, const glm::dvec3 &place, const glm::dvec3 &move) const;
+
+  // Compartment code of the face nearest to a place that lies in a cell; searches outward voxel by voxel.
+  std::uint8_t nearest_code(const glm::dvec3 &place) const;
+
+  std::uint32_t source(std::uint32_t face) const { return faces_[face].source; }
+  std::size_t images() const { return faces_.size(); }
+  std::size_t voxels() const { return voxel_.size() - 1; }
+  std::uint64_t bytes() const;
+  double voxel_um() const { return edge_[0]; }
+  double reach_um() const { return reach_; }
+
+private:
+  // One image of a triangle.
+  struct Face {
+    glm::dvec3 normal;
+    double offset;
+    glm::uvec3 corner;
+    std::uint32_t source, lift;
+  };
+  // The same in float, for the test that dismisses most candidates: its plane and a ball around it. Kept
+  // apart, so that what is near in space is near in memory and little of it is read.
+  struct alignas(32) Disc {
+    float normal[3] = {0.0f, 0.0f, 0.0f}, offset = 1e30f; // as it is: never crossed
+    float centre[3] = {0.0f, 0.0f, 0.0f}, radius = 0.0f;
+  };
+  struct Voxel {
+    float free = 0.0f;       // lower bound of the distance from its centre to a membrane
+    std::uint32_t begin = 0; // its faces: four times begin .. begin of the next voxel
+  };
+  struct Entry {
+    std::uint32_t voxel, face;
+    float distance; // from the voxel's centre to the face
+  };
+  void choose_grid(std::size_t faces);
+  void list_images(const Membranes &membranes);
+  std::vector<Entry> entries(std::size_t begin, std::size_t end) const;
+  void sort_images();
+  void fill_voxels(Workers &workers, const Progress &progress);
+  void measure_distance(const std::vector<std::uint8_t> &touched, Workers &workers);
+  std::array<glm::dvec3, 3> corners(const Face &face) const;
+  bool inside(const Face &face, const glm::dvec3 &point) const;
+  double outside_radius(const glm::dvec3 &place) const;
+
+  int index_on(int axis, double x) const {
+    const int i = static_cast<int>((x - low_[axis]) * scale_[axis]);
+    return i < 0 ? 0 : i >= count_[axis] ? count_[axis] - 1 : i;
+  }
+  std::size_t voxel_index(int x, int y, int z) const {
+    return (static_cast<std::size_t>(z) * static_cast<std::size_t>(count_.y) + static_cast<std::size_t>(y)) *
+               static_cast<std::size_t>(count_.x) +
+           static_cast<std::size_t>(x);
+  }
+
+  conceg_box box_;
+  glm::dvec3 origin_, side_; // the box
+  double reach_;
+  bool any_open_;
+  glm::dvec3 low_, edge_, scale_; // the grid, local: lower corner, voxel edges, their inverses
+  glm::ivec3 count_;
+  std::vector<glm::dvec3> vertex_, lift_;
+  std::vector<Face> faces_;
+  std::vector<Voxel> voxel_;        // one more than there are
+  std::vector<Disc> disc_;          // one more than there are faces
+  std::vector<std::uint32_t> list_; // of each voxel, filled up to fours by the disc that is never crossed
+  float margin_um_ = 0.0f;          // above the rounding of the float test
+  std::vector<std::uint8_t> code_;  // of the source faces
+};
+
+} // namespace conceg::simulate
