@@ -126,9 +126,10 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
                  percent(cut.constricted, bodies.points).c_str(), without.mean_share, cut.mean_share,
                  count(cut.sweeps));
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
-                 "moved %zu points in %d iterations, %llu lists of pairs (%llu pairs in the last): shift "
+                 "moved %zu points in %d iterations, %llu lists of pairs, pruned %llu times (%llu runs in the last): shift "
                  "%.3f um mean, %.3f um largest; cable %.1f -> %.1f um",
-                 bodies.points, motion.iterations, count(moved.rebuilds), count(moved.pairs),
+                 bodies.points, motion.iterations, count(moved.rebuilds), count(moved.prunes),
+                 count(moved.runs),
                  moved.mean_shift, moved.largest_shift, moved.length_before, moved.length_after);
   workers.count(ctx, "relax.items");
   write_back(doc, skeletons, status, resample(skeletons, conceg_params_f64(params, "sphere_spacing")));
