@@ -28,23 +28,29 @@ Vec direction_of(const Four &first, const Four &second, const FourClosest &at) {
   return out;
 }
 
-// Four pairs' push (positive apart, negative together) and energy.
-void push_of(const Strength &k, const Lanes &gap, bool attract, Lanes &push, Lanes &energy) {
-  const Lanes room = gap - all(static_cast<float>(k.gap));
-  const Lanes repulsion = all(static_cast<float>(k.repulsion));
-  const Mask overlap = room < all(0);
-  push = choose(overlap, -repulsion * room, all(0));
-  energy = choose(overlap, all(0.5f) * repulsion * room * room, all(0));
-  if (!attract || !(k.attraction_range > 0)) return;
-  const float range = static_cast<float>(k.attraction_range);
-  const Lanes attraction = all(static_cast<float>(k.attraction)), part = all(1) - room / all(range);
-  const Mask near = (room >= all(0)) & (room < all(range));
-  push = choose(near, -attraction * room * part, push);
-  // Integral of (1) from the range inwards; continues as a constant under the overlap.
-  const Lanes depth = attraction * (room * room * (all(0.5f) - room / all(3 * range)) - all(range * range / 6));
-  energy = choose(near, depth, energy);
-  energy = choose(overlap, energy - attraction * all(range * range / 6), energy);
-}
+// The constants of equation (1), four times each.
+struct Law {
+  Lanes gap, repulsion, attraction, range, bottom; // bottom: energy of touching bodies that attract
+  bool attracts;
+  explicit Law(const Strength &k)
+      : gap(all(static_cast<float>(k.gap))), repulsion(all(static_cast<float>(k.repulsion))),
+        attraction(all(static_cast<float>(k.attraction))),
+        range(all(static_cast<float>(k.attraction_range > 0 ? k.attraction_range : 1))),
+        bottom(all(-1.0f / 6) * attraction * range * range), attracts(k.attraction * k.attraction_range > 0) {}
+
+  // Push (positive apart, negative together) and energy.
+  void operator()(const Lanes &room, bool attract, Lanes &push, Lanes &energy) const {
+    const Mask overlap = room < all(0);
+    push = choose(overlap, -repulsion * room, all(0));
+    energy = choose(overlap, all(0.5f) * repulsion * room * room, all(0));
+    if (!attract || !attracts) return;
+    const Mask near = (room >= all(0)) & (room < range);
+    const Lanes part = room / range;
+    push = choose(near, -attraction * room * (all(1) - part), push);
+    energy = choose(near, attraction * room * room * (all(0.5f) - part * all(1.0f / 3)), energy);
+    energy += choose(near | overlap, bottom, all(0));
+  }
+};
 
 double sum(const Lanes &x) {
   return (static_cast<double>(x[0]) + static_cast<double>(x[1])) +
@@ -58,12 +64,14 @@ struct Owner {
   Lanes energy = all(0), overlap = all(0), deepest = all(0);
   std::uint64_t overlapping = 0;
 
-  template <bool second> void meet(const Four &others, const Vec &shift, const Run &run, const Strength &k) {
+  template <bool second> void meet(const Four &others, const Vec &shift, const Run &run, const Law &law) {
     const Four &f = second ? others : body, &g = second ? body : others;
     const FourClosest at = closest(f, g, shift);
-    const Mask counts = mask_of(run);
+    const Lanes room = at.gap - law.gap;
+    const Mask counts = mask_of(run) & (room < law.range);
+    if (!(counts[0] | counts[1] | counts[2] | counts[3])) return;
     Lanes push, stored;
-    push_of(k, at.gap, !(run.flags & one_body), push, stored);
+    law(room, !(run.flags & one_body), push, stored);
     push = choose(counts, push, all(0));
     energy += choose(counts, stored, all(0));
     const Lanes depth = choose(counts & (at.gap < all(0)), -at.gap, all(0));
@@ -90,28 +98,31 @@ void ContactForces::add(const Bodies &bodies, const LaneBodies &lanes, const Run
                         State &state) {
   ends_.assign(bodies.elements.size(), {});
   states_.assign(runs.block.size(), {});
+  const Law law(strength);
   workers.loop(runs.block.size(), 1, [&](std::size_t b, unsigned) {
     const RunBlock &block = runs.block[b];
     State &mine = states_[b];
-    for (std::uint32_t k = 0; k + 1 < block.offset.size(); k++) {
-      if (block.offset[k] == block.offset[k + 1]) continue;
-      Owner owner = {lanes.one(block.first + k)};
-      for (std::uint32_t n = block.offset[k]; n < block.offset[k + 1]; n++) {
-        const Run &run = block.run[n];
-        if (run.flags & owner_is_second)
-          owner.meet<true>(lanes.run(run.first), shift_of(runs, run), run, strength);
-        else
-          owner.meet<false>(lanes.run(run.first), shift_of(runs, run), run, strength);
+    const auto end = [](const Vec &f) {
+      return glm::vec3(static_cast<float>(sum(f.x)), static_cast<float>(sum(f.y)), static_cast<float>(sum(f.z)));
+    };
+    std::size_t k = 0;
+    for (std::uint32_t c = block.first; c < block.last; c++)
+      for (std::uint32_t lane = 0; lane < bodies.chunks[c].count; lane++, k++) {
+        if (block.offset[k] == block.offset[k + 1]) continue;
+        Owner owner = {lanes.one(c, lane)};
+        for (std::uint32_t n = block.offset[k]; n < block.offset[k + 1]; n++) {
+          const Run &run = block.run[n];
+          if (run.flags & owner_is_second)
+            owner.meet<true>(lanes.run(run.chunk), runs.shift[run.shift], run, law);
+          else
+            owner.meet<false>(lanes.run(run.chunk), runs.shift[run.shift], run, law);
+        }
+        ends_[bodies.chunks[c].first + lane] = {end(owner.on_a), end(owner.on_b)};
+        mine.contact_energy += sum(owner.energy), mine.overlap_sum += sum(owner.overlap);
+        mine.overlapping += owner.overlapping;
+        for (int i = 0; i < 4; i++)
+          mine.largest_overlap = std::max(mine.largest_overlap, static_cast<double>(owner.deepest[i]));
       }
-      ends_[block.first + k] = {{static_cast<float>(sum(owner.on_a.x)), static_cast<float>(sum(owner.on_a.y)),
-                                 static_cast<float>(sum(owner.on_a.z))},
-                                {static_cast<float>(sum(owner.on_b.x)), static_cast<float>(sum(owner.on_b.y)),
-                                 static_cast<float>(sum(owner.on_b.z))}};
-      mine.contact_energy += sum(owner.energy), mine.overlap_sum += sum(owner.overlap);
-      mine.overlapping += owner.overlapping;
-      for (int lane = 0; lane < 4; lane++)
-        mine.largest_overlap = std::max(mine.largest_overlap, static_cast<double>(owner.deepest[lane]));
-    }
   });
   // Each pair was met from both sides.
   std::uint64_t overlapping = 0;
@@ -121,12 +132,12 @@ void ContactForces::add(const Bodies &bodies, const LaneBodies &lanes, const Run
     overlapping += s.overlapping;
   }
   state.overlapping += overlapping / 2;
-  const auto vec = [](const float *v) { return glm::dvec3(v[0], v[1], v[2]); };
   workers.loop(bodies.points, 512, [&](std::size_t i, unsigned) {
     if (bodies.pinned[i]) return;
-    glm::dvec3 sum = vec(ends_[i].b);
+    glm::dvec3 sum = glm::dvec3(ends_[i].b);
+    if (bodies.elements[i].a == i) sum += glm::dvec3(ends_[i].a); // a root without a stub
     for (std::uint32_t c = bodies.child_offset[i]; c < bodies.child_offset[i + 1]; c++)
-      sum += vec(ends_[bodies.child[c]].a);
+      sum += glm::dvec3(ends_[bodies.child[c]].a);
     force[i] += sum;
   });
 }

@@ -32,7 +32,7 @@ public:
 
 private:
   struct Ends {
-    float a[3], b[3]; // force on the two ends of an element
+    glm::vec3 a{0}, b{0}; // force on the two ends of an element
   };
   std::vector<Ends> ends_;
   std::vector<State> states_; // per block

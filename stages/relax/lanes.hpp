@@ -8,13 +8,11 @@
 
 #include <glm/vec3.hpp>
 
-#include <cmath>
 #include <cstdint>
 #include <vector>
 
 namespace conceg::relax {
 
-constexpr std::uint32_t lane_count = 4;
 using Lanes = float __attribute__((vector_size(16)));
 using Mask = std::int32_t __attribute__((vector_size(16))); // -1 = yes
 
@@ -34,7 +32,7 @@ inline Lanes clamp01(Lanes x) {
   return least(most(x, all(0)), all(1));
 }
 inline Lanes root(Lanes x) {
-  return Lanes{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
+  return __builtin_ia32_sqrtps(x);
 }
 struct Vec {
   Lanes x, y, z;
@@ -61,22 +59,39 @@ struct Four {
   Lanes r, dr, pinned;
 };
 
-// All elements, seen from the corner of the box with their chunk lifted into it.
+// Balls around four capsules.
+struct FourBalls {
+  Vec middle;
+  Lanes radius;
+};
+
+inline Lanes spread(Lanes x, std::uint32_t lane) {
+  return all(x[lane]);
+}
+
+// All elements by chunks, seen from the corner of the box with each chunk lifted into it. Lanes beyond a chunk's
+// count are 0.
 class LaneBodies {
 public:
   void fill(const Bodies &bodies, const std::vector<glm::ivec3> &chunk_lift, const conceg_box &box,
             Workers &workers);
-  Four run(std::uint32_t first) const { return gather([&](const float *v) { return load(v + first); }); }
-  Four one(std::uint32_t e) const { return gather([&](const float *v) { return all(v[e]); }); }
+  const Four &run(std::uint32_t chunk) const { return four_[chunk]; }
+  const FourBalls &balls(std::uint32_t chunk) const { return balls_[chunk]; }
+  // One element, four times.
+  Four one(std::uint32_t chunk, std::uint32_t lane) const {
+    const Four &f = four_[chunk];
+    const auto x = [lane](Lanes v) { return spread(v, lane); };
+    return {{x(f.a.x), x(f.a.y), x(f.a.z)}, {x(f.u.x), x(f.u.y), x(f.u.z)}, x(f.r), x(f.dr), x(f.pinned)};
+  }
+  FourBalls ball(std::uint32_t chunk, std::uint32_t lane) const {
+    const FourBalls &f = balls_[chunk];
+    const auto x = [lane](Lanes v) { return spread(v, lane); };
+    return {{x(f.middle.x), x(f.middle.y), x(f.middle.z)}, x(f.radius)};
+  }
 
 private:
-  enum { ax, ay, az, ux, uy, uz, r, dr, pinned, fields };
-  static Lanes load(const float *v) { return Lanes{v[0], v[1], v[2], v[3]}; }
-  template <class Get> Four gather(Get get) const {
-    const auto at = [&](int field) { return get(values_[field].data()); };
-    return {{at(ax), at(ay), at(az)}, {at(ux), at(uy), at(uz)}, at(r), at(dr), at(pinned)};
-  }
-  std::vector<float> values_[fields];
+  std::vector<Four> four_;
+  std::vector<FourBalls> balls_;
 };
 
 // Closest points of the axes, the vector between them (second to first), its length and the gap there.

@@ -45,7 +45,7 @@ Moved move_bodies(Bodies &bodies, const conceg_box &box, const Strength &strengt
   const std::vector<glm::dvec3> start(bodies.position.begin(),
                                       bodies.position.begin() + static_cast<std::ptrdiff_t>(bodies.points));
   std::vector<glm::dvec3> listed, pruned, velocity(bodies.points, glm::dvec3(0)), force(bodies.points);
-  const double reach = strength.gap + strength.attraction_range, inner = 0.25 * motion.skin;
+  const double reach = strength.gap + strength.attraction_range, inner = 0.35 * motion.skin;
   const auto points_now = [&] {
     return std::vector<glm::dvec3>(bodies.position.begin(),
                                    bodies.position.begin() + static_cast<std::ptrdiff_t>(bodies.points));
@@ -70,7 +70,7 @@ Moved move_bodies(Bodies &bodies, const conceg_box &box, const Strength &strengt
     } else
       lanes.fill(bodies, lift, box, workers);
     if (pruned.empty() || largest_shift(bodies, pruned, workers) > 0.5 * inner) {
-      prune_runs(runs, lanes, reach + inner, workers, close);
+      prune_runs(bodies, runs, lanes, reach + inner, workers, close);
       pruned = points_now(), moved.prunes++, moved.runs = close.count();
     }
     std::fill(force.begin(), force.end(), glm::dvec3(0));
@@ -78,11 +78,13 @@ Moved move_bodies(Bodies &bodies, const conceg_box &box, const Strength &strengt
     contacts.add(bodies, lanes, close, strength, workers, force, state);
     add_shape_forces(bodies, strength, workers, force, state);
     moved.states.push_back(state);
+    // Pairs that cannot come apart would swing for ever: steps get shorter.
+    const double step = motion.step * (1 - 0.8 * iteration / motion.iterations);
     workers.loop(bodies.points, 2048, [&](std::size_t i, unsigned) {
       if (bodies.pinned[i]) return;
       velocity[i] = motion.momentum * velocity[i] + force[i];
       const double speed = glm::length(velocity[i]);
-      if (speed > motion.step) velocity[i] *= motion.step / speed;
+      if (speed > step) velocity[i] *= step / speed;
       bodies.position[i] += velocity[i];
       keep_inside(box, start[i], bodies.position[i]);
     });

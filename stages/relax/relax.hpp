@@ -10,7 +10,7 @@ struct Motion {
   int iterations = 80;
   double momentum = 0.8; // of the heavy ball
   double step = 0.05;    // um, largest move of a point in one iteration
-  double skin = 0.25;    // um, slack of the list of pairs
+  double skin = 0.6;     // um, slack of the list of pairs
 };
 
 struct Moved {

@@ -21,7 +21,7 @@ struct Meeting {
 struct Meetings {
   std::vector<std::uint64_t> offset;
   std::vector<Meeting> meeting; // CSR by chunk
-  std::vector<glm::dvec3> shift;
+  std::vector<Vec> shift;
 };
 
 std::uint16_t shift_number(std::vector<glm::ivec3> &known, const glm::ivec3 &image) {
@@ -51,8 +51,11 @@ Meetings meetings_of(const Bodies &bodies, const ChunkSearch &chunks, const glm:
     out.meeting[next[p.i]++] = {p.j, shift, false, same};
     out.meeting[next[p.j]++] = {p.i, shift, true, same};
   }
-  for (const glm::ivec3 &image : images)
-    out.shift.push_back(sides * glm::dvec3(image));
+  for (const glm::ivec3 &image : images) {
+    const glm::dvec3 shift = sides * glm::dvec3(image);
+    out.shift.push_back({all(static_cast<float>(shift.x)), all(static_cast<float>(shift.y)),
+                         all(static_cast<float>(shift.z))});
+  }
   return out;
 }
 
@@ -63,24 +66,21 @@ std::uint8_t close_lanes(const FourClosest &at, const Four &first, const Four &s
   return static_cast<std::uint8_t>((close[0] & 1) | (close[1] & 2) | (close[2] & 4) | (close[3] & 8));
 }
 
-// Cheap test for all four: the middles of the axes are no farther apart than the bodies reach.
-bool may_meet(const Four &owner, const Four &others, const Vec &shift, bool second, float reach) {
-  const Lanes half = all(0.5f);
-  Vec apart = (owner.a + half * owner.u) - (others.a + half * others.u);
-  apart = second ? apart - shift : apart + Vec{-shift.x, -shift.y, -shift.z};
-  const Lanes extent = half * (root(dot(owner.u, owner.u)) + root(dot(others.u, others.u))) + owner.r +
-                       most(owner.dr, all(0)) + others.r + most(others.dr, all(0)) + all(reach + 1e-3f);
-  const Mask near = dot(apart, apart) < extent * extent;
+// Cheap test of all four: balls around the bodies.
+bool may_meet(const FourBalls &owner, const FourBalls &others, const Vec &shift, bool second, float reach) {
+  const Vec apart = owner.middle - others.middle, lifted = second ? apart + shift : apart - shift;
+  const Lanes most_apart = owner.radius + others.radius + all(reach + 1e-3f);
+  const Mask near = dot(lifted, lifted) < most_apart * most_apart;
   return (near[0] | near[1] | near[2] | near[3]) != 0;
 }
 
 void add_runs(const Bodies &bodies, const Meeting &meeting, std::uint32_t e, const LaneBodies &lanes,
-              const Runs &runs, const Four &owner, float reach, std::vector<Run> &out) {
+              const Runs &runs, const Four &owner, const FourBalls &ball, float reach, std::vector<Run> &out) {
   const Chunk &chunk = bodies.chunks[meeting.other];
-  const Four others = lanes.run(chunk.first);
-  Run run = {chunk.first, meeting.shift, static_cast<std::uint8_t>((1u << chunk.count) - 1),
+  Run run = {meeting.other, meeting.shift, static_cast<std::uint8_t>((1u << chunk.count) - 1),
              static_cast<std::uint8_t>(meeting.second ? owner_is_second : 0)};
-  if (!may_meet(owner, others, shift_of(runs, run), meeting.second, reach)) return;
+  if (!may_meet(ball, lanes.balls(meeting.other), runs.shift[run.shift], meeting.second, reach)) return;
+  const Four &others = lanes.run(meeting.other);
   const FourClosest at = closest_of(owner, others, runs, run);
   run.lanes &= meeting.second ? close_lanes(at, others, owner, reach) : close_lanes(at, owner, others, reach);
   if (!meeting.same_copy || bodies.elements[e].cell != bodies.elements[chunk.first].cell) {
@@ -114,40 +114,47 @@ Runs make_runs(const Bodies &bodies, const ChunkSearch &chunks, const LaneBodies
   runs.block.resize((bodies.chunks.size() + block_chunks - 1) / block_chunks);
   workers.loop(runs.block.size(), 1, [&](std::size_t b, unsigned) {
     RunBlock &block = runs.block[b];
-    const std::size_t end = std::min(bodies.chunks.size(), (b + 1) * block_chunks);
-    block.first = bodies.chunks[b * block_chunks].first;
+    block.first = static_cast<std::uint32_t>(b * block_chunks);
+    block.last = static_cast<std::uint32_t>(std::min(bodies.chunks.size(), (b + 1) * block_chunks));
     block.offset.assign(1, 0);
-    for (std::size_t c = b * block_chunks; c < end; c++)
-      for (std::uint32_t e = bodies.chunks[c].first; e < bodies.chunks[c].first + bodies.chunks[c].count; e++) {
-        const Four owner = lanes.one(e);
+    for (std::uint32_t c = block.first; c < block.last; c++)
+      for (std::uint32_t lane = 0; lane < bodies.chunks[c].count; lane++) {
+        const Four owner = lanes.one(c, lane);
+        const FourBalls ball = lanes.ball(c, lane);
         for (std::uint64_t m = meetings.offset[c]; m < meetings.offset[c + 1]; m++)
-          add_runs(bodies, meetings.meeting[m], e, lanes, runs, owner, static_cast<float>(reach), block.run);
+          add_runs(bodies, meetings.meeting[m], bodies.chunks[c].first + lane, lanes, runs, owner, ball,
+                   static_cast<float>(reach), block.run);
         block.offset.push_back(static_cast<std::uint32_t>(block.run.size()));
       }
   });
   return runs;
 }
 
-void prune_runs(const Runs &from, const LaneBodies &lanes, double reach, Workers &workers, Runs &out) {
+void prune_runs(const Bodies &bodies, const Runs &from, const LaneBodies &lanes, double reach, Workers &workers,
+                Runs &out) {
+  const auto limit = static_cast<float>(reach);
   out.shift = from.shift;
   out.block.resize(from.block.size());
   workers.loop(from.block.size(), 1, [&](std::size_t b, unsigned) {
     const RunBlock &block = from.block[b];
     RunBlock &kept = out.block[b];
-    kept.first = block.first, kept.run.clear(), kept.offset.assign(1, 0);
-    for (std::uint32_t k = 0; k + 1 < block.offset.size(); k++) {
-      const Four owner = lanes.one(block.first + k);
-      for (std::uint32_t n = block.offset[k]; n < block.offset[k + 1]; n++) {
-        Run run = block.run[n];
-        const Four others = lanes.run(run.first);
-        const FourClosest at = closest_of(owner, others, from, run);
-        run.lanes &= run.flags & owner_is_second
-                         ? close_lanes(at, others, owner, static_cast<float>(reach))
-                         : close_lanes(at, owner, others, static_cast<float>(reach));
-        if (run.lanes) kept.run.push_back(run);
+    kept.first = block.first, kept.last = block.last, kept.run.clear(), kept.offset.assign(1, 0);
+    std::size_t k = 0;
+    for (std::uint32_t c = block.first; c < block.last; c++)
+      for (std::uint32_t lane = 0; lane < bodies.chunks[c].count; lane++, k++) {
+        const Four owner = lanes.one(c, lane);
+        const FourBalls ball = lanes.ball(c, lane);
+        for (std::uint32_t n = block.offset[k]; n < block.offset[k + 1]; n++) {
+          Run run = block.run[n];
+          const bool second = run.flags & owner_is_second;
+          if (!may_meet(ball, lanes.balls(run.chunk), from.shift[run.shift], second, limit)) continue;
+          const Four &others = lanes.run(run.chunk);
+          const FourClosest at = closest_of(owner, others, from, run);
+          run.lanes &= second ? close_lanes(at, others, owner, limit) : close_lanes(at, owner, others, limit);
+          if (run.lanes) kept.run.push_back(run);
+        }
+        kept.offset.push_back(static_cast<std::uint32_t>(kept.run.size()));
       }
-      kept.offset.push_back(static_cast<std::uint32_t>(kept.run.size()));
-    }
   });
 }
 

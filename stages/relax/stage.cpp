@@ -156,7 +156,7 @@ const conceg_param parameters[] = {
     {"momentum", "1", "share of the last step that goes on (heavy ball)", "0.8", nullptr, CONCEG_PARAM_F64, 0,
      0, 0.99},
     {"step_um", "um", "largest move of a point in one step", "0.05", nullptr, CONCEG_PARAM_F64, 0, 0.0001, 1},
-    {"skin_um", "um", "slack of the list of pairs; changes the time only", "0.25", nullptr, CONCEG_PARAM_F64,
+    {"skin_um", "um", "slack of the list of pairs; changes the time only", "0.6", nullptr, CONCEG_PARAM_F64,
      0, 0.01, 5},
     {"sphere_spacing", "1", "distance of the spheres of /spheres in radii", "1", nullptr, CONCEG_PARAM_F64, 0,
      0.05, 2},

@@ -22,7 +22,7 @@ std::vector<glm::dvec3> contact_forces(const Bodies &bodies, const conceg_box &b
   LaneBodies lanes;
   lanes.fill(bodies, found.lift, box, workers);
   Runs close;
-  prune_runs(make_runs(bodies, found, lanes, box, 0.5, workers), lanes, 0.45, workers, close);
+  prune_runs(bodies, make_runs(bodies, found, lanes, box, 0.5, workers), lanes, 0.45, workers, close);
   std::vector<glm::dvec3> out(bodies.points, glm::dvec3(0));
   State unused;
   ContactForces().add(bodies, lanes, close, strength, workers, out, state ? *state : unused);
@@ -78,7 +78,7 @@ void four_at_a_time_is_pair_by_pair() {
     }
     printf("box %g: largest force %.3g um, largest difference %.2g; %llu and %llu pairs overlap\n", size, largest,
            difference, (unsigned long long)plain.overlapping, (unsigned long long)lanes.overlapping);
-    CHECK(largest > 0.1 && difference < 1e-5);
+    CHECK(largest > 0.1 && difference < 1e-3 * largest);
     CHECK(plain.overlapping > 100 && plain.overlapping == lanes.overlapping);
     CHECK_NEAR(lanes.overlap_sum / plain.overlap_sum, 1, 1e-5);
     CHECK_NEAR(lanes.largest_overlap, plain.largest_overlap, 1e-5);
@@ -114,15 +114,17 @@ void no_drift() {
   Bodies bodies = make_bodies(s, 0.1);
   bodies.pinned.assign(bodies.pinned.size(), 0);
   const std::vector<glm::dvec3> force = contact_forces(bodies, scene::box_of(14), Strength());
-  Workers workers(1);
   glm::dvec3 sum(0);
   double size = 0;
   for (const glm::dvec3 &f : force)
     sum += f, size += glm::length(f);
+  printf("drift %.2g of %.3g\n", glm::length(sum), size);
   CHECK(size > 1);
   CHECK(glm::length(sum) < 1e-6 * size);
   std::vector<glm::dvec3> shape(bodies.points, glm::dvec3(0));
   State state;
+  Workers workers(1);
+  bodies = make_bodies(s, 0.1);
   add_shape_forces(bodies, Strength(), workers, shape, state);
   for (const glm::dvec3 &f : shape)
     CHECK(glm::length(f) < 1e-12); // at rest at the start
