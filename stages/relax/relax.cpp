@@ -40,7 +40,7 @@ void keep_inside(const conceg_box &box, const glm::dvec3 &start, glm::dvec3 &p) 
 } // namespace
 
 Moved move_bodies(Bodies &bodies, const conceg_box &box, const Strength &strength, const Motion &motion,
-                  Collider &collider, Workers &workers, const Progress &progress) {
+                  Collider &collider, Workers &workers, const Progress &progress, const Watch &watch) {
   Moved moved;
   const std::vector<glm::dvec3> start(bodies.position.begin(),
                                       bodies.position.begin() + static_cast<std::ptrdiff_t>(bodies.points));
@@ -78,6 +78,7 @@ Moved move_bodies(Bodies &bodies, const conceg_box &box, const Strength &strengt
     contacts.add(bodies, lanes, close, strength, workers, force, state);
     add_shape_forces(bodies, strength, workers, force, state);
     moved.states.push_back(state);
+    if (watch) watch(iteration, state);
     // Pairs that cannot come apart would swing for ever: steps get shorter.
     const double step = motion.step * (1 - 0.8 * iteration / motion.iterations);
     workers.loop(bodies.points, 2048, [&](std::size_t i, unsigned) {

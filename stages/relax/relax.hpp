@@ -4,6 +4,8 @@
 
 #include "forces.hpp"
 
+#include <functional>
+
 namespace conceg::relax {
 
 struct Motion {
@@ -20,9 +22,12 @@ struct Moved {
   double length_before = 0, length_after = 0; // um of cable
 };
 
+// Called with each iteration's state, the bodies as they stood before its step.
+using Watch = std::function<void(int iteration, const State &state)>;
+
 // Moves bodies.position; radii stay. Pinned nodes stay where they are; on an open axis no point leaves the
 // box.
 Moved move_bodies(Bodies &bodies, const conceg_box &box, const Strength &strength, const Motion &motion,
-                  Collider &collider, Workers &workers, const Progress &progress);
+                  Collider &collider, Workers &workers, const Progress &progress, const Watch &watch = {});
 
 } // namespace conceg::relax
