@@ -31,6 +31,12 @@ instead = {
     "analyse.field_step_um": ("1", "the lower bound is the default, the upper one is wider than a cell"),
     "render.samples": ("1", "the upper bound takes a minute"),
     "render.size_px": ("64", "the upper bound takes a minute"),
+    "fit.diffusivity_max": ("4", "the lower bound is below diffusivity_min"),
+    "fit.radius_max_um": ("6.5", "the lower bound is below radius_min_um"),
+    "fit.shell_width": ("0.7", "the lower bound joins nothing less, the upper one everything"),
+    "fit.starts": ("3", "the upper bound takes an hour"),
+    "import.pulse_duration_ms": ("4", "the upper bound is longer than the time between the pulses"),
+    "import.pulse_separation_ms": ("25", "the lower bound is the default"),
     "import.margin_um": ("7", "the upper bound is wider than any tissue"),
     "characterise.astrocyte_donors": ("3", "the upper bound makes a large table"),
 }
@@ -44,6 +50,8 @@ same = {
     "characterise.pictures": "a folder for pictures beside the document",
     "characterise.beside": "grown cells for those pictures",
     "mesh.vdb": "a file beside the document",
+    "fit.csv": "a folder for files beside the document",
+    "fit.pictures": "a folder for pictures beside the document",
     "export.dir": "where the files go, not what is in them",
     "render.dir": "where the files go, not what is in them",
 }
@@ -57,6 +65,13 @@ texts = {
     "characterise.pictures": "{work}/pictures",
     "characterise.beside": "{work}/mesh.cgx",
     "mesh.vdb": "{work}/cells.vdb",
+    "fit.compartment": "intra",
+    "fit.free": "none",
+    "fit.csv": "{work}/csv",
+    "fit.pictures": "{work}/pictures",
+    "import.bval": "{work}/bvals",
+    "import.bvec": "{work}/bvecs",
+    "import.compartment": "intra",
     "export.cells": "0",
     "export.dir": "{work}/exported",
     "render.cells": "0",
@@ -66,6 +81,13 @@ texts = {
 needs = {
     "characterise.beside": ["--pictures", "{work}/pictures"],
     "export.ascii": ["--to", "ply"],
+    "fit.neurite_diffusivity": ["--free", "extra"],
+    "fit.extra_diffusivity": ["--free", "neurite"],
+    "import.bval": ["--pulse-duration-ms=5", "--pulse-separation-ms=20"],
+    "import.bvec": ["--bval={work}/bvals", "--pulse-duration-ms=5", "--pulse-separation-ms=20"],
+    "import.compartment": ["--bval={work}/bvals", "--pulse-duration-ms=5", "--pulse-separation-ms=20"],
+    "import.pulse_duration_ms": ["--bval={work}/bvals", "--pulse-separation-ms=20"],
+    "import.pulse_separation_ms": ["--bval={work}/bvals", "--pulse-duration-ms=5"],
     "triangulate.grade_levels": ["--nodes", "graded"],
     "triangulate.grade_distance_um": ["--nodes", "graded"],
     "triangulate.grade_spacing_radii": ["--nodes", "graded", "--grade-territory-um", "1000"],
@@ -73,7 +95,8 @@ needs = {
     "render.cut_axis": ["--what", "cut"],
     "render.cut_position": ["--what", "cut"],
 }
-quick = {"render": ["--size-px", "96"], "analyse": ["--points", "20000"], "mesh": ["--h-um", "0.6"], "relax": ["--iterations", "8"]}
+quick = {"render": ["--size-px", "96"], "analyse": ["--points", "20000"], "mesh": ["--h-um", "0.6"], "relax": ["--iterations", "8"],
+         "fit": ["--starts", "4"]}
 
 cell = """1 1 0 0 0 5 -1
 2 4 0 0 5 1 1
@@ -123,16 +146,26 @@ class Parameters:
         (work / "sourced.csv").write_text("file,entry,class,source\ncell.swc,two,interneuron,here\n")
         (work / "sources.csv").write_text("source,repository,licence,terms\nhere,a/b,MIT,cite\n")
         (work / "glia.csv").write_text(columns + f"{self.source}/data/astrocyte-barcodes.csv,glia,astrocyte,,0,unknown,,,\n")
+        signals = [0.8, 0.66, 0.43, 0.31, 0.25, 0.21, 0.16]
+        rows = [f"{name},{b},{1 if b == 0 else signals[i - 1] * scale}" for name, scale in (("intra", 1), ("all", 0.9)) for i, b in enumerate([0, 0.5, 1, 2, 3, 4, 6, 10])]
+        (work / "signals.csv").write_text("compartment,b,signal\n" + "\n".join(rows) + "\n")
+        (work / "signals.txt").write_text("1 0.8 0.4\n")
+        (work / "bvals").write_text("0 1000 3000\n")
+        (work / "bvecs").write_text("0 1 0\n0 0 1\n0 0 0\n")
+        self.must("import", "signal", work / "signals.csv", "--pulse-duration-ms=5", "--pulse-separation-ms=20", "-q", "-o", work / "signals.cgx")
         made = work / "made"
         self.inputs = {
             "place": ["-p", recipe], "triangulate": [made / "01-place.cgx"], "grow": [made / "02-triangulate.cgx"], "relax": [made / "03-grow.cgx"],
             "mesh": [made / "04-relax.cgx"], "analyse": [work / "mesh.cgx"], "export": [work / "mesh.cgx"], "render": [work / "mesh.cgx"],
+            "fit": [work / "signals.cgx"],
             "characterise": [work / "cell.swc"], "import": ["swc", work / "loose-trees.swc"],
         }
 
     def words_of(self, stage, name):
         if stage == "characterise" and name.startswith("astrocyte"):
             return ["--table", self.work / "glia.csv"]
+        if stage == "import" and name in ("bval", "bvec", "compartment", "pulse_duration_ms", "pulse_separation_ms"):
+            return ["signal", self.work / "signals.txt"]
         if name == "strict":
             return [*(["swc"] if stage == "import" else []), self.work / "loose.swc"]
         if stage == "characterise" and name == "axon_gap_um":
