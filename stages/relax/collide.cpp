@@ -316,8 +316,7 @@ void check_joined(const Bodies &bodies, ChunkSearch &search) {
   if (found != search.joined)
     fail(CONCEG_E_STAGE,
          "collision search: expected %llu pairs of joined chunks among the candidates, got %llu",
-         static_cast<unsigned long long>(search.joined),
-         static_cast<unsigned long long>(found));
+         static_cast<unsigned long long>(search.joined), static_cast<unsigned long long>(found));
 }
 
 } // namespace

@@ -47,15 +47,15 @@ struct ChunkPair {
 };
 
 struct ChunkSearch {
-  std::vector<ChunkPair> pairs;   // each unordered pair once, in an order that does not depend on threads
-  std::vector<glm::ivec3> lift;   // per chunk, sides that bring it into the box
-  std::uint64_t candidates = 0;   // that Embree gave
-  std::uint64_t joined = 0;       // chunk pairs that share a point: each of them must be among the candidates
+  std::vector<ChunkPair> pairs; // each unordered pair once, in an order that does not depend on threads
+  std::vector<glm::ivec3> lift; // per chunk, sides that bring it into the box
+  std::uint64_t candidates = 0; // that Embree gave
+  std::uint64_t joined = 0;     // chunk pairs that share a point: each of them must be among the candidates
 };
 
 struct Search {
-  std::vector<Pair> pairs;        // sorted by (e, f, lift)
-  std::uint64_t chunk_pairs = 0;  // candidates that Embree gave
+  std::vector<Pair> pairs;       // sorted by (e, f, lift)
+  std::uint64_t chunk_pairs = 0; // candidates that Embree gave
 };
 
 class Collider {
@@ -66,8 +66,8 @@ public:
   Collider(const Collider &) = delete;
   Collider &operator=(const Collider &) = delete;
 
-  // All pairs of chunks whose bounds, `reach` apart, meet over all periodic images. E_STAGE when Embree reports
-  // an error or when the search missed a pair of chunks that touch by construction.
+  // All pairs of chunks whose bounds, `reach` apart, meet over all periodic images. E_STAGE when Embree
+  // reports an error or when the search missed a pair of chunks that touch by construction.
   ChunkSearch find_chunks(const Bodies &bodies, const std::vector<double> &radius, const conceg_box &box,
                           double reach, Workers &workers);
 

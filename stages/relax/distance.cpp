@@ -68,7 +68,8 @@ Closest closest_axes(const RoundCone &first, const RoundCone &second) {
 
 namespace {
 
-// How far below the gap at (s, t) the smallest gap can be: the gap is convex, so no less than its tangent plane.
+// How far below the gap at (s, t) the smallest gap can be: the gap is convex, so no less than its tangent
+// plane.
 double most_below(const RoundCone &first, const RoundCone &second, double s, double t) {
   const glm::dvec3 u = first.b - first.a, v = second.b - second.a;
   const glm::dvec3 apart = first.a + s * u - (second.a + t * v);

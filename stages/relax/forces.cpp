@@ -36,7 +36,8 @@ struct Law {
       : gap(all(static_cast<float>(k.gap))), repulsion(all(static_cast<float>(k.repulsion))),
         attraction(all(static_cast<float>(k.attraction))),
         range(all(static_cast<float>(k.attraction_range > 0 ? k.attraction_range : 1))),
-        bottom(all(-1.0f / 6) * attraction * range * range), attracts(k.attraction * k.attraction_range > 0) {}
+        bottom(all(-1.0f / 6) * attraction * range * range), attracts(k.attraction * k.attraction_range > 0) {
+  }
 
   // Push (positive apart, negative together) and energy.
   void operator()(const Lanes &room, bool attract, Lanes &push, Lanes &energy) const {
@@ -78,8 +79,8 @@ struct Owner {
     const Mask deep = depth > all(0);
     overlap += depth, deepest = most(deepest, depth);
     overlapping += static_cast<std::uint64_t>(-(deep[0] + deep[1] + deep[2] + deep[3]));
-    // Small structures yield to large ones: shares in proportion to the other's volume, all of it beside what is
-    // pinned.
+    // Small structures yield to large ones: shares in proportion to the other's volume, all of it beside what
+    // is pinned.
     const Lanes volume = at.radius_first * at.radius_first * at.radius_first,
                 other = at.radius_second * at.radius_second * at.radius_second;
     const Lanes share = second ? choose(f.pinned > all(0), all(1), volume / (volume + other))
@@ -103,7 +104,8 @@ void ContactForces::add(const Bodies &bodies, const LaneBodies &lanes, const Run
     const RunBlock &block = runs.block[b];
     State &mine = states_[b];
     const auto end = [](const Vec &f) {
-      return glm::vec3(static_cast<float>(sum(f.x)), static_cast<float>(sum(f.y)), static_cast<float>(sum(f.z)));
+      return glm::vec3(static_cast<float>(sum(f.x)), static_cast<float>(sum(f.y)),
+                       static_cast<float>(sum(f.z)));
     };
     std::size_t k = 0;
     for (std::uint32_t c = block.first; c < block.last; c++)

@@ -23,8 +23,8 @@ struct State {
 };
 
 // Adds the forces between bodies on each point (pinned nodes are left out) to `force`, one per point, and
-// their energy and overlap to `state`. Each element sums over its own list in its order: the same bits for any
-// number of threads. Single precision.
+// their energy and overlap to `state`. Each element sums over its own list in its order: the same bits for
+// any number of threads. Single precision.
 class ContactForces {
 public:
   void add(const Bodies &bodies, const LaneBodies &lanes, const Runs &runs, const Strength &strength,

@@ -25,7 +25,8 @@ struct Bins {
   glm::ivec3 count;
   std::vector<std::uint32_t> offset, point;
   std::size_t number(const glm::ivec3 &at) const {
-    return (static_cast<std::size_t>(at.z) * static_cast<std::size_t>(count.y) + static_cast<std::size_t>(at.y)) *
+    return (static_cast<std::size_t>(at.z) * static_cast<std::size_t>(count.y) +
+            static_cast<std::size_t>(at.y)) *
                static_cast<std::size_t>(count.x) +
            static_cast<std::size_t>(at.x);
   }

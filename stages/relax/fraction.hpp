@@ -18,15 +18,16 @@ struct Sample {
   std::vector<Near> near;
 };
 
-// `count` points; elements count as near within `reach` of their surface at the radii given. E_RANGE when bodies
-// meet too many images of themselves.
+// `count` points; elements count as near within `reach` of their surface at the radii given. E_RANGE when
+// bodies meet too many images of themselves.
 Sample make_sample(const Bodies &bodies, const std::vector<double> &most, const conceg_box &box,
                    std::size_t count, double reach, Workers &workers);
 
 struct Fractions {
   double united = 0;  // inside some body
   double several = 0; // inside bodies of two cells or images
-  double planes = 0;  // inside after bodies in contact are cut at their contact planes, `gap` apart: equation (5)
+  double planes =
+      0; // inside after bodies in contact are cut at their contact planes, `gap` apart: equation (5)
 };
 // `gap` at most the reach of the sample. The same for any number of threads.
 Fractions fractions_of(const Bodies &bodies, const std::vector<double> &radius, const glm::dvec3 &side,

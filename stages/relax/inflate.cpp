@@ -28,8 +28,8 @@ struct Sums {
 } // namespace
 
 std::vector<ClassRadii> class_radii(const Bodies &bodies, const std::vector<double> &radius,
-                                    const std::vector<double> &target, const std::vector<std::uint32_t> &class_of,
-                                    std::size_t classes) {
+                                    const std::vector<double> &target,
+                                    const std::vector<std::uint32_t> &class_of, std::size_t classes) {
   std::vector<Sums> now(classes), asked(classes);
   for (std::size_t i = 0; i < bodies.points; i++) {
     if (bodies.parent[i] < 0) continue;
@@ -52,9 +52,10 @@ std::vector<double> inflated(const Bodies &bodies, const std::vector<double> &ra
   return out;
 }
 
-Inflation inflate_to(const Bodies &bodies, const std::vector<double> &radius, const std::vector<double> &target,
-                     const std::vector<std::uint32_t> &class_of, std::size_t classes, const glm::dvec3 &side,
-                     const Sample &sample, double gap, double asked, double mean_tolerance, Workers &workers) {
+Inflation inflate_to(const Bodies &bodies, const std::vector<double> &radius,
+                     const std::vector<double> &target, const std::vector<std::uint32_t> &class_of,
+                     std::size_t classes, const glm::dvec3 &side, const Sample &sample, double gap,
+                     double asked, double mean_tolerance, Workers &workers) {
   constexpr int halvings = 20;
   const auto fraction = [&](double c) {
     return fractions_of(bodies, inflated(bodies, radius, c), side, sample, gap, workers).planes;

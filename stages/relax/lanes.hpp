@@ -69,8 +69,8 @@ inline Lanes spread(Lanes x, std::uint32_t lane) {
   return all(x[lane]);
 }
 
-// All elements by chunks, seen from the corner of the box with each chunk lifted into it. Lanes beyond a chunk's
-// count are 0.
+// All elements by chunks, seen from the corner of the box with each chunk lifted into it. Lanes beyond a
+// chunk's count are 0.
 class LaneBodies {
 public:
   void fill(const Bodies &bodies, const std::vector<glm::ivec3> &chunk_lift, const conceg_box &box,

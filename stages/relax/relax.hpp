@@ -18,8 +18,8 @@ struct Motion {
 struct Moved {
   std::uint64_t rebuilds = 0, prunes = 0, runs = 0; // lists built, lists pruned, runs of the last one
   std::vector<State> states;                        // of each iteration, before its step
-  double mean_shift = 0, largest_shift = 0;   // um, between start and end
-  double length_before = 0, length_after = 0; // um of cable
+  double mean_shift = 0, largest_shift = 0;         // um, between start and end
+  double length_before = 0, length_after = 0;       // um of cable
 };
 
 // Called with each iteration's state, the bodies as they stood before its step.

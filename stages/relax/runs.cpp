@@ -75,7 +75,8 @@ bool may_meet(const FourBalls &owner, const FourBalls &others, const Vec &shift,
 }
 
 void add_runs(const Bodies &bodies, const Meeting &meeting, std::uint32_t e, const LaneBodies &lanes,
-              const Runs &runs, const Four &owner, const FourBalls &ball, float reach, std::vector<Run> &out) {
+              const Runs &runs, const Four &owner, const FourBalls &ball, float reach,
+              std::vector<Run> &out) {
   const Chunk &chunk = bodies.chunks[meeting.other];
   Run run = {meeting.other, meeting.shift, static_cast<std::uint8_t>((1u << chunk.count) - 1),
              static_cast<std::uint8_t>(meeting.second ? owner_is_second : 0)};
@@ -106,8 +107,8 @@ std::uint64_t Runs::count() const {
   return sum;
 }
 
-Runs make_runs(const Bodies &bodies, const ChunkSearch &chunks, const LaneBodies &lanes, const conceg_box &box,
-               double reach, Workers &workers) {
+Runs make_runs(const Bodies &bodies, const ChunkSearch &chunks, const LaneBodies &lanes,
+               const conceg_box &box, double reach, Workers &workers) {
   const Meetings meetings = meetings_of(bodies, chunks, side(box));
   Runs runs;
   runs.shift = meetings.shift;
@@ -130,8 +131,8 @@ Runs make_runs(const Bodies &bodies, const ChunkSearch &chunks, const LaneBodies
   return runs;
 }
 
-void prune_runs(const Bodies &bodies, const Runs &from, const LaneBodies &lanes, double reach, Workers &workers,
-                Runs &out) {
+void prune_runs(const Bodies &bodies, const Runs &from, const LaneBodies &lanes, double reach,
+                Workers &workers, Runs &out) {
   const auto limit = static_cast<float>(reach);
   out.shift = from.shift;
   out.block.resize(from.block.size());

@@ -184,7 +184,8 @@ std::uint64_t count_pinched(const Bodies &bodies, const std::vector<Pair> &pairs
   workers.loop(pairs.size(), 512, [&](std::size_t k, unsigned) {
     RoundCone e, f;
     cones_of(bodies, pairs[k], radius, side, e, f);
-    const bool joined = same_copy(pairs[k]) && bodies.elements[pairs[k].e].cell == bodies.elements[pairs[k].f].cell;
+    const bool joined =
+        same_copy(pairs[k]) && bodies.elements[pairs[k].e].cell == bodies.elements[pairs[k].f].cell;
     if (joined) return; // one surface: nothing is cut
     first[k] = closest_cones({e.b, e.b, 0, 0}, f).gap < need - e.radius_b;
     second[k] = closest_cones({f.b, f.b, 0, 0}, e).gap < need - f.radius_b;

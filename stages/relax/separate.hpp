@@ -44,8 +44,8 @@ struct Certificate {
 Certificate certify(const Bodies &bodies, const std::vector<Pair> &pairs, const glm::dvec3 &side, double gap,
                     const std::vector<double> &radius, Workers &workers);
 
-// Points at which a neighbour's contact plane leaves less than a tube of `step` um of grid can hold (the mesher's
-// condition): distance to the neighbour < gap + 2 * 0.92 step - radius.
+// Points at which a neighbour's contact plane leaves less than a tube of `step` um of grid can hold (the
+// mesher's condition): distance to the neighbour < gap + 2 * 0.92 step - radius.
 std::uint64_t count_pinched(const Bodies &bodies, const std::vector<Pair> &pairs, const glm::dvec3 &side,
                             double gap, double step, const std::vector<double> &radius, Workers &workers);
 

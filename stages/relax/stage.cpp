@@ -143,42 +143,45 @@ Motion motion_of(const conceg_params *params) {
 }
 
 void log_state(conceg_ctx *ctx, conceg_log_level level, int iteration, const State &s) {
-  conceg_ctx_log(ctx, level,
-                 "iteration %d: energy %.4g um2 of contacts, %.4g of shape; %llu pairs overlap, by %.4g um in "
-                 "all, %.4f at most",
-                 iteration, s.contact_energy, s.shape_energy, count(s.overlapping), s.overlap_sum,
-                 s.largest_overlap);
+  conceg_ctx_log(
+      ctx, level,
+      "iteration %d: energy %.4g um2 of contacts, %.4g of shape; %llu pairs overlap, by %.4g um in "
+      "all, %.4f at most",
+      iteration, s.contact_energy, s.shape_energy, count(s.overlapping), s.overlap_sum, s.largest_overlap);
 }
 
 void log_classes(conceg_ctx *ctx, const Classes &classes, const std::vector<ClassRadii> &radii) {
   for (std::size_t k = 0; k < radii.size(); k++)
     if (radii[k].target_mean > 0)
-      conceg_ctx_log(ctx, CONCEG_LOG_INFO,
-                     "%s: mean radius %.4f um, %.3f of its target; volume-weighted CV %.3f, %.3f of its target",
-                     classes.name[k].c_str(), radii[k].mean, radii[k].mean_ratio(), radii[k].cv,
-                     radii[k].cv_ratio());
+      conceg_ctx_log(
+          ctx, CONCEG_LOG_INFO,
+          "%s: mean radius %.4f um, %.3f of its target; volume-weighted CV %.3f, %.3f of its target",
+          classes.name[k].c_str(), radii[k].mean, radii[k].mean_ratio(), radii[k].cv, radii[k].cv_ratio());
 }
 
-// Widens `radius` until the cells fill `asked` of the box behind their contact planes, and says how far it came.
+// Widens `radius` until the cells fill `asked` of the box behind their contact planes, and says how far it
+// came.
 void fill_box(conceg_ctx *ctx, const Bodies &bodies, const conceg_box &box, const std::vector<double> &target,
-              const Classes &classes, double gap, double asked, std::vector<double> &radius, Workers &workers) {
+              const Classes &classes, double gap, double asked, std::vector<double> &radius,
+              Workers &workers) {
   std::vector<double> most = inflated(bodies, radius, 1e9);
   const Sample sample = make_sample(bodies, most, box, sample_points, gap, workers);
   const double before = fractions_of(bodies, radius, side(box), sample, gap, workers).planes;
-  const Inflation done = inflate_to(bodies, radius, target, classes.of_cell, classes.name.size(), side(box), sample,
-                                    gap, asked, mean_tolerance, workers);
+  const Inflation done = inflate_to(bodies, radius, target, classes.of_cell, classes.name.size(), side(box),
+                                    sample, gap, asked, mean_tolerance, workers);
   radius = inflated(bodies, radius, done.c);
-  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
-                 "volume fraction behind contact planes: %.4f without inflation, %.4f with %.4f um; asked %.4f", before,
-                 done.fraction, done.c, asked);
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_INFO,
+      "volume fraction behind contact planes: %.4f without inflation, %.4f with %.4f um; asked %.4f", before,
+      done.fraction, done.c, asked);
   if (!done.stop) return;
-  const std::string why = done.stop == 1
-                              ? "no radius may grow by more than a quarter"
-                              : "the mean radius of class " + classes.name[done.stop - 2] +
-                                    " may not be more than 15 % above its target";
-  conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
-                 "relax: icvf: asked %.4f, reached %.4f: %s; ask for more cable or thicker processes in the recipe",
-                 asked, done.fraction, why.c_str());
+  const std::string why = done.stop == 1 ? "no radius may grow by more than a quarter"
+                                         : "the mean radius of class " + classes.name[done.stop - 2] +
+                                               " may not be more than 15 % above its target";
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_WARNING,
+      "relax: icvf: asked %.4f, reached %.4f: %s; ask for more cable or thicker processes in the recipe",
+      asked, done.fraction, why.c_str());
 }
 
 void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
@@ -191,7 +194,8 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
   Collider collider(workers.threads());
   const Strength strength = strength_of(params);
   const Motion motion = motion_of(params);
-  const double contact = conceg_params_f64(params, "contact_overlap_um"), asked = conceg_params_f64(params, "icvf");
+  const double contact = conceg_params_f64(params, "contact_overlap_um"),
+               asked = conceg_params_f64(params, "icvf");
   Trace trace(conceg_params_text(params, "trace"));
 
   Bodies bodies = make_bodies(skeletons, conceg_params_f64(params, "radius_min_um"));
@@ -209,14 +213,15 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
   log_certificate(ctx, CONCEG_LOG_INFO, "before, at target radii", before);
   if (before.overlapping_somas)
     fail(CONCEG_E_RANGE,
-         "/cells/soma: %llu pairs of somas overlap, by up to %.3f um (cells %u and %u); somas do not move: raise "
+         "/cells/soma: %llu pairs of somas overlap, by up to %.3f um (cells %u and %u); somas do not move: "
+         "raise "
          "place.soma_gap_um",
          count(before.overlapping_somas), before.deepest_somas, before.soma_e, before.soma_f);
   std::vector<double> unmoved = target;
   const Cut without = cut_radii(bodies, at_start, sides, strength.gap, unmoved, workers, progress);
 
-  const Moved moved =
-      move_bodies(bodies, box, strength, motion, collider, workers, progress, [&](int iteration, const State &state) {
+  const Moved moved = move_bodies(
+      bodies, box, strength, motion, collider, workers, progress, [&](int iteration, const State &state) {
         log_state(ctx, iteration % 20 ? CONCEG_LOG_DEBUG : CONCEG_LOG_INFO, iteration, state);
         if (trace.wanted() && iteration % 5 == 0) trace.add(iteration, state, fractions(target));
       });
@@ -261,13 +266,14 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
   if (const std::uint64_t pinched =
           count_pinched(bodies, near_planes, sides, strength.gap, step, radius, workers))
     conceg_ctx_log(ctx, left_to_planes ? CONCEG_LOG_WARNING : CONCEG_LOG_INFO,
-                   "relax: at %llu points (%s) contact planes leave less than a mesh grid of %.3f um can hold; a smaller "
+                   "relax: at %llu points (%s) contact planes leave less than a mesh grid of %.3f um can "
+                   "hold; a smaller "
                    "mesh.h_um or relax.contact_overlap_um keeps them",
                    count(pinched), percent(pinched, bodies.points).c_str(), step);
   const Fractions written = fractions(radius);
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
-                 "written: volume fraction %.4f, %.4f of it in several cells; %.4f behind contact planes", written.united,
-                 written.several, written.planes);
+                 "written: volume fraction %.4f, %.4f of it in several cells; %.4f behind contact planes",
+                 written.united, written.several, written.planes);
   log_classes(ctx, classes, class_radii(bodies, radius, target, classes.of_cell, classes.name.size()));
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
                  "points below 95 %% of their target radius: %s without moving, %s after it; mean share of "
@@ -275,11 +281,12 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
                  percent(without.constricted, bodies.points).c_str(),
                  percent(cut.constricted, bodies.points).c_str(), without.mean_share, cut.mean_share,
                  count(cut.sweeps));
-  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
-                 "moved %zu points in %d iterations, %llu lists of pairs, pruned %llu times (%llu runs in the last): "
-                 "shift %.3f um mean, %.3f um largest; cable %.1f -> %.1f um",
-                 bodies.points, motion.iterations, count(moved.rebuilds), count(moved.prunes), count(moved.runs),
-                 moved.mean_shift, moved.largest_shift, moved.length_before, moved.length_after);
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_INFO,
+      "moved %zu points in %d iterations, %llu lists of pairs, pruned %llu times (%llu runs in the last): "
+      "shift %.3f um mean, %.3f um largest; cable %.1f -> %.1f um",
+      bodies.points, motion.iterations, count(moved.rebuilds), count(moved.prunes), count(moved.runs),
+      moved.mean_shift, moved.largest_shift, moved.length_before, moved.length_after);
   workers.count(ctx, "relax.items");
   write_back(doc, skeletons, status, resample(skeletons, conceg_params_f64(params, "sphere_spacing")));
 }
@@ -305,16 +312,17 @@ const conceg_param parameters[] = {
     {"momentum", "1", "share of the last step that goes on (heavy ball)", "0.8", nullptr, CONCEG_PARAM_F64, 0,
      0, 0.99},
     {"step_um", "um", "largest move of a point in one step", "0.05", nullptr, CONCEG_PARAM_F64, 0, 0.0001, 1},
-    {"skin_um", "um", "slack of the list of pairs; changes the time only", "0.6", nullptr, CONCEG_PARAM_F64,
-     0, 0.01, 5},
-    {"icvf", "1", "volume fraction to fill behind the mesh's contact planes by widening all radii; 0 = off", "0",
-     nullptr, CONCEG_PARAM_F64, 0, 0, 0.95},
-    {"contact_overlap_um", "um", "overlap that is left to the contact planes of the mesh; 0 = none, cells keep gap_um",
-     "0", nullptr, CONCEG_PARAM_F64, 0, 0, 1},
+    {"skin_um", "um", "slack of the list of pairs; changes the time, and the result by rounding", "0.6",
+     nullptr, CONCEG_PARAM_F64, 0, 0.01, 5},
+    {"icvf", "1", "volume fraction to fill behind the mesh's contact planes by widening all radii; 0 = off",
+     "0", nullptr, CONCEG_PARAM_F64, 0, 0, 0.95},
+    {"contact_overlap_um", "um",
+     "overlap that is left to the contact planes of the mesh; 0 = none, cells keep gap_um", "0", nullptr,
+     CONCEG_PARAM_F64, 0, 0, 1},
     {"mesh_step_um", "um", "grid step of the mesh for which thin places are warned about", "0.16", nullptr,
      CONCEG_PARAM_F64, 0, 0.01, 10},
-    {"trace", "", "table of energy, overlap and volume fraction every fifth iteration, a CSV file", "", nullptr,
-     CONCEG_PARAM_FILE, 0, 0, 0},
+    {"trace", "", "table of energy, overlap and volume fraction every fifth iteration, a CSV file", "",
+     nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
     {"sphere_spacing", "1", "distance of the spheres of /spheres in radii", "1", nullptr, CONCEG_PARAM_F64, 0,
      0.05, 2},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};

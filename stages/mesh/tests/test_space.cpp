@@ -50,12 +50,14 @@ void shell_shuts_in() {
   const int count = 4000;
   for (int i = 0; i < count; i++) {
     const double z = -1 + 2 * (i + 0.5) / count, angle = 0.2 * i, across = std::sqrt(1 - z * z);
-    tissue.point.push_back(glm::dvec3(5) + radius * glm::dvec3(across * std::cos(angle), across * std::sin(angle), z));
+    tissue.point.push_back(glm::dvec3(5) +
+                           radius * glm::dvec3(across * std::cos(angle), across * std::sin(angle), z));
     tissue.radius.push_back(0.4f), tissue.parent.push_back(i - 1), tissue.kind.push_back(2);
   }
   tissue.offset.push_back(tissue.point.size());
   const Space one = space_of(tissue, 0.2, 1), two = space_of(tissue, 0.2, 2);
-  printf("shell: %llu pieces, %.4f of the space in the largest\n", (unsigned long long)one.pieces, one.largest);
+  printf("shell: %llu pieces, %.4f of the space in the largest\n", (unsigned long long)one.pieces,
+         one.largest);
   CHECK_EQUAL(one.pieces, 2);
   const double inner = 4.0 / 3 * std::acos(-1.0) * 2.6 * 2.6 * 2.6 / 1000;
   CHECK_NEAR((1 - one.largest) * one.volume, inner, 0.1 * inner);

@@ -76,8 +76,8 @@ void four_at_a_time_is_pair_by_pair() {
       largest = std::max(largest, glm::length(expected[i]));
       difference = std::max(difference, glm::distance(expected[i], found[i]));
     }
-    printf("box %g: largest force %.3g um, largest difference %.2g; %llu and %llu pairs overlap\n", size, largest,
-           difference, (unsigned long long)plain.overlapping, (unsigned long long)lanes.overlapping);
+    printf("box %g: largest force %.3g um, largest difference %.2g; %llu and %llu pairs overlap\n", size,
+           largest, difference, (unsigned long long)plain.overlapping, (unsigned long long)lanes.overlapping);
     CHECK(largest > 0.1 && difference < 1e-3 * largest);
     CHECK(plain.overlapping > 100 && plain.overlapping == lanes.overlapping);
     CHECK_NEAR(lanes.overlap_sum / plain.overlap_sum, 1, 1e-5);
@@ -107,7 +107,8 @@ void volumes_8_to_1() {
 }
 
 void no_drift() {
-  // Equal radii, so equal volumes: what one body gets the other loses. With nothing pinned, so that all counts.
+  // Equal radii, so equal volumes: what one body gets the other loses. With nothing pinned, so that all
+  // counts.
   Skeletons s = scene::random_cells(11, 5, 240, 14, 0, 0.4f);
   for (float &r : s.target_radius)
     r = 0.4f;
