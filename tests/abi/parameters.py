@@ -27,6 +27,9 @@ instead = {
     "relax.skin_um": ("0.5", "at the upper bound the list of pairs is everything"),
     "relax.mesh_step_um": ("0.3", "at the upper bound all points are neighbours"),
     "relax.sphere_spacing": ("2", "the lower bound makes twenty times the spheres"),
+    "export.diffusivity_um2_per_ms": ("1", "any other value shows"),
+    "export.pulse_ms": ("4", "the upper bound is longer than the separation"),
+    "export.separation_ms": ("30", "any other value shows"),
     "grow.max_edge_um": ("1", "any shorter edge shows"),
     "analyse.points": ("1000", "the upper bound takes minutes"),
     "analyse.field_step_um": ("1", "the lower bound is the default, the upper one is wider than a cell"),
@@ -39,6 +42,10 @@ instead = {
     "import.pulse_duration_ms": ("4", "the upper bound is longer than the time between the pulses"),
     "import.pulse_separation_ms": ("25", "the lower bound is the default"),
     "import.margin_um": ("7", "the upper bound is wider than any tissue"),
+    "import.box_um": ("90", "the lower bound is the default, the upper one is wider than any tissue"),
+    "export.walkers": ("20", "the upper bound takes an hour"),
+    "export.directions": ("6", "the upper bound makes a large table"),
+    "export.fraction_um": ("4", "at the bounds there is one voxel, or those of the labels"),
     "characterise.astrocyte_donors": ("3", "the upper bound makes a large table"),
 }
 # The same bytes are demanded.
@@ -78,6 +85,8 @@ texts = {
     "import.compartment": "intra",
     "export.cells": "0",
     "export.dir": "{work}/exported",
+    "export.b_values_ms_per_um2": "0 2",
+    "import.info": "{work}/other_info.txt",
     "render.cells": "0",
     "render.dir": "{work}/rendered",
 }
@@ -92,6 +101,11 @@ needs = {
     "import.compartment": ["--bval={work}/bvals", "--pulse-duration-ms=5", "--pulse-separation-ms=20"],
     "import.pulse_duration_ms": ["--bval={work}/bvals", "--pulse-separation-ms=20"],
     "import.pulse_separation_ms": ["--bval={work}/bvals", "--pulse-duration-ms=5"],
+    "export.columns": ["--to", "caterpillar"],
+    "export.fraction_um": ["--to", "nifti"],
+    "export.walkers": ["--to", "mcdc"],
+    **{f"export.{name}": ["--to", "mcdc", "--walkers", "10"] for name in ("diffusivity_um2_per_ms", "b_values_ms_per_um2", "directions", "pulse_ms", "separation_ms")},
+    "grow.smoothing": ["--straightness", "free"],
     "triangulate.grade_levels": ["--nodes", "graded"],
     "triangulate.grade_distance_um": ["--nodes", "graded"],
     "triangulate.grade_spacing_radii": ["--nodes", "graded", "--grade-territory-um", "1000"],
@@ -145,6 +159,9 @@ class Parameters:
         (work / "loose-trees.swc").write_text(cell + "16 3 50 0 0 0.4 -1\n17 3 55 0 0 0.4 16\n")
         (work / "pieces.swc").write_text(cell + "16 2 0 -5 0 0.2 1\n17 2 0 -30 0 0.2 16\n18 2 0 -40 0 0.2 -1\n19 2 0 -60 0 0.2 18\n")
         (work / "loose.swc").write_text(cell.replace("2 4 0 0 5 1 1", "2.0 4 0 0 5 1 1"))
+        (work / "table.csv").write_text("cell_type cell_id component component_id X Y Z inner_radius outer_radius\naxon 0 axon 0 1 2 3 0.5 0.5\naxon 0 axon 0 2 2 3 0.5 0.5\n")
+        (work / "table_info.txt").write_text("Voxel Size 20\n")
+        (work / "other_info.txt").write_text("Voxel Size 30\n")
         columns = "file,entry,class,donor_id,fold,frame,soma_radius_um,axon,note\n"
         (work / "two.csv").write_text(columns + "cell.swc,two,interneuron,,0,-y,,full,\n")
         (work / "sourced.csv").write_text("file,entry,class,source\ncell.swc,two,interneuron,here\n")
@@ -170,6 +187,8 @@ class Parameters:
             return ["--table", self.work / "glia.csv"]
         if stage == "import" and name in ("bval", "bvec", "compartment", "pulse_duration_ms", "pulse_separation_ms"):
             return ["signal", self.work / "signals.txt"]
+        if stage == "import" and name in ("box_um", "info"):
+            return ["caterpillar", self.work / "table.csv"]
         if name == "strict":
             return [*(["swc"] if stage == "import" else []), self.work / "loose.swc"]
         if stage == "characterise" and name == "axon_gap_um":
