@@ -6,6 +6,7 @@
 #include "extract.hpp"
 #include "faces.hpp"
 #include "finish.hpp"
+#include "space.hpp"
 #include "volume.hpp"
 #include "wrap.hpp"
 
@@ -31,6 +32,8 @@ const conceg_param parameters[] = {
     {"volumes", "", "write label and distance volumes", "true", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"volume_step_um", "um", "largest voxel of the volumes; 0 = twice h_um", "0", nullptr, CONCEG_PARAM_F64,
      0, 0, 100},
+    {"space", "", "measure the extracellular space on the grid's tetrahedra, its pieces too (periodic boxes)",
+     "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"vdb", "", "also write the volumes as an OpenVDB file", "", nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};
 
@@ -241,6 +244,13 @@ void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done,
                    100 * cut / total);
 }
 
+void report_space(conceg_ctx *ctx, const Space &space) {
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_RESULT,
+      "mesh: extracellular space: %.4f of the box in %llu pieces, %.4f %% of it in the largest; cells %.4f",
+      space.volume, static_cast<unsigned long long>(space.pieces), 100 * space.largest, 1 - space.volume);
+}
+
 void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   const Tissue tissue = read_tissue(doc);
   SceneOptions options;
@@ -255,6 +265,8 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   warn_thin(ctx, scene);
   const Index index = make_index(scene, workers, progress);
   workers.count(ctx, "mesh.index");
+  if (conceg_params_bool(params, "space"))
+    report_space(ctx, extracellular_space(scene, index, workers, progress));
   std::vector<glm::dvec3> origin;
   for (const glm::dvec3 &soma : tissue.soma)
     origin.push_back(snap(soma));

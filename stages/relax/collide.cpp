@@ -269,13 +269,6 @@ void narrow(const Bodies &bodies, const std::vector<double> &radius, const std::
     }
 }
 
-// A pair of chunks for the narrow test, the second one lifted by `up`; i == j without a lift is a chunk with
-// itself.
-struct ChunkPair {
-  std::uint32_t i, j;
-  std::int32_t up[3];
-};
-
 std::vector<ChunkPair> chunk_pairs_of(const std::vector<Placed> &core, const std::vector<Placed> &ghosts,
                                       const std::vector<Candidate> &inside,
                                       const std::vector<Candidate> &across) {
@@ -313,17 +306,17 @@ std::vector<std::uint32_t> parent_chunks(const Bodies &bodies) {
 
 // Chunks that share a point must have been found; this shows at every run that the search works, faces
 // included.
-void check_joined(const Bodies &bodies, const std::vector<ChunkPair> &pairs, Search &search) {
+void check_joined(const Bodies &bodies, ChunkSearch &search) {
   const std::vector<std::uint32_t> parent = parent_chunks(bodies);
+  std::uint64_t found = 0;
   for (const std::uint32_t p : parent)
     search.joined += p < bodies.chunks.size();
-  for (const ChunkPair &p : pairs)
-    search.joined_found += p.i < p.j && !p.up[0] && !p.up[1] && !p.up[2] && parent[p.j] == p.i;
-  if (search.joined_found != search.joined)
+  for (const ChunkPair &p : search.pairs)
+    found += p.i < p.j && !p.up[0] && !p.up[1] && !p.up[2] && parent[p.j] == p.i;
+  if (found != search.joined)
     fail(CONCEG_E_STAGE,
          "collision search: expected %llu pairs of joined chunks among the candidates, got %llu",
-         static_cast<unsigned long long>(search.joined),
-         static_cast<unsigned long long>(search.joined_found));
+         static_cast<unsigned long long>(search.joined), static_cast<unsigned long long>(found));
 }
 
 } // namespace
@@ -345,9 +338,9 @@ Collider::~Collider() {
   if (device_->handle) rtcReleaseDevice(device_->handle);
 }
 
-Search Collider::find(const Bodies &bodies, const std::vector<double> &radius, const conceg_box &box,
-                      double reach, Workers &workers) {
-  Search search;
+ChunkSearch Collider::find_chunks(const Bodies &bodies, const std::vector<double> &radius,
+                                  const conceg_box &box, double reach, Workers &workers) {
+  ChunkSearch search;
   if (bodies.chunks.empty()) return search;
   // Half of the reach on each side, and a little more than the rounding of lifted coordinates.
   const std::vector<Placed> core =
@@ -372,10 +365,20 @@ Search Collider::find(const Bodies &bodies, const std::vector<double> &radius, c
       });
     }
   }
-  search.chunk_pairs = inside.size() + across.size();
-  const std::vector<ChunkPair> jobs = chunk_pairs_of(core, ghosts, inside, across);
-  check_joined(bodies, jobs, search);
+  search.candidates = inside.size() + across.size();
+  search.pairs = chunk_pairs_of(core, ghosts, inside, across);
+  for (const Placed &p : core)
+    search.lift.push_back({p.lift[0], p.lift[1], p.lift[2]});
+  check_joined(bodies, search);
+  return search;
+}
 
+Search Collider::find(const Bodies &bodies, const std::vector<double> &radius, const conceg_box &box,
+                      double reach, Workers &workers) {
+  Search search;
+  const ChunkSearch chunks = find_chunks(bodies, radius, box, reach, workers);
+  const std::vector<ChunkPair> &jobs = chunks.pairs;
+  search.chunk_pairs = chunks.candidates;
   // A block of jobs fills one list, so that the result does not depend on who did it.
   const std::size_t block = 256, blocks = (jobs.size() + block - 1) / block;
   const glm::dvec3 sides = side(box);

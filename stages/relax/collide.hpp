@@ -40,11 +40,22 @@ inline void cones_of(const Bodies &bodies, const Pair &pair, const std::vector<d
   second.a += shift, second.b += shift;
 }
 
+// Chunks i and j, the second one lifted by `up` sides; i == j without a lift is a chunk with itself.
+struct ChunkPair {
+  std::uint32_t i, j;
+  std::int32_t up[3];
+};
+
+struct ChunkSearch {
+  std::vector<ChunkPair> pairs; // each unordered pair once, in an order that does not depend on threads
+  std::vector<glm::ivec3> lift; // per chunk, sides that bring it into the box
+  std::uint64_t candidates = 0; // that Embree gave
+  std::uint64_t joined = 0;     // chunk pairs that share a point: each of them must be among the candidates
+};
+
 struct Search {
-  std::vector<Pair> pairs;        // sorted by (e, f, lift)
-  std::uint64_t chunk_pairs = 0;  // candidates that Embree gave
-  std::uint64_t joined = 0;       // chunk pairs that share a point: each of them must be among the candidates
-  std::uint64_t joined_found = 0; // ... and so many were
+  std::vector<Pair> pairs;       // sorted by (e, f, lift)
+  std::uint64_t chunk_pairs = 0; // candidates that Embree gave
 };
 
 class Collider {
@@ -55,9 +66,13 @@ public:
   Collider(const Collider &) = delete;
   Collider &operator=(const Collider &) = delete;
 
+  // All pairs of chunks whose bounds, `reach` apart, meet over all periodic images. E_STAGE when Embree
+  // reports an error or when the search missed a pair of chunks that touch by construction.
+  ChunkSearch find_chunks(const Bodies &bodies, const std::vector<double> &radius, const conceg_box &box,
+                          double reach, Workers &workers);
+
   // All pairs of elements, over all periodic images, whose gap can be below `reach`: the distance of the axes
-  // less the larger radius of each is. Neighbours in the tree are left out. E_STAGE when Embree reports an
-  // error or when the search missed a pair of chunks that touch by construction.
+  // less the larger radius of each is. Neighbours in the tree are left out. Fails as find_chunks does.
   Search find(const Bodies &bodies, const std::vector<double> &radius, const conceg_box &box, double reach,
               Workers &workers);
 

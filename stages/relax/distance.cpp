@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace conceg::relax {
 
@@ -65,7 +66,22 @@ Closest closest_axes(const RoundCone &first, const RoundCone &second) {
   return {s, t, gap_at(first, second, s, t)};
 }
 
-Closest closest_cones(const RoundCone &first, const RoundCone &second) {
+namespace {
+
+// How far below the gap at (s, t) the smallest gap can be: the gap is convex, so no less than its tangent
+// plane.
+double most_below(const RoundCone &first, const RoundCone &second, double s, double t) {
+  const glm::dvec3 u = first.b - first.a, v = second.b - second.a;
+  const glm::dvec3 apart = first.a + s * u - (second.a + t * v);
+  const double distance = glm::length(apart);
+  if (!(distance > 0)) return std::numeric_limits<double>::infinity();
+  const double in_s = glm::dot(apart, u) / distance - (first.radius_b - first.radius_a);
+  const double in_t = -glm::dot(apart, v) / distance - (second.radius_b - second.radius_a);
+  return std::max(in_s * s, in_s * (s - 1)) + std::max(in_t * t, in_t * (t - 1));
+}
+
+// False position on the slope in s, t chosen best for each s.
+Closest by_false_position(const RoundCone &first, const RoundCone &second) {
   double low = 0, high = 1, s;
   double slope_low = slope_at(first, second, 0), slope_high = slope_at(first, second, 1);
   if (slope_low >= 0)
@@ -93,6 +109,22 @@ Closest closest_cones(const RoundCone &first, const RoundCone &second) {
   Closest best = {s, t, gap_at(first, second, s, t)};
   const Closest axes = closest_axes(first, second);
   return axes.gap < best.gap ? axes : best;
+}
+
+} // namespace
+
+Closest closest_cones(const RoundCone &first, const RoundCone &second) {
+  constexpr double enough = 1e-10; // um
+  constexpr int rounds = 6;
+  // From the closest points of the axes, each parameter in turn: most pairs are done in two rounds.
+  Closest at = closest_axes(first, second);
+  for (int round = 0; round < rounds; round++) {
+    if (most_below(first, second, at.s, at.t) <= enough) return at;
+    at.t = nearest_on_cone(first.a + at.s * (first.b - first.a), second);
+    at.s = nearest_on_cone(second.a + at.t * (second.b - second.a), first);
+    at.gap = gap_at(first, second, at.s, at.t);
+  }
+  return by_false_position(first, second);
 }
 
 } // namespace conceg::relax

@@ -5,112 +5,170 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace conceg::relax {
 
 namespace {
 
-// Unit vector from the second body to the first; when the axes meet, across both of them.
-glm::dvec3 direction_of(const RoundCone &first, const RoundCone &second, double s, double t) {
-  const glm::dvec3 u = first.b - first.a, v = second.b - second.a;
-  const glm::dvec3 difference = first.a + s * u - (second.a + t * v);
-  const double distance = glm::length(difference);
-  if (distance > 1e-9) return difference / distance;
-  glm::dvec3 across = glm::cross(u, v);
-  if (glm::length(across) <= 1e-9 * (glm::length(u) * glm::length(v)) || glm::length(across) <= 1e-300)
-    across = glm::cross(glm::length(u) > 0 ? u : v, glm::dvec3(0.36, 0.48, 0.8));
-  const double length = glm::length(across);
-  return length > 1e-300 ? across / length : glm::dvec3(1, 0, 0);
+// Unit vectors from the second body to the first; when the axes meet, across both of them.
+Vec direction_of(const Four &first, const Four &second, const FourClosest &at) {
+  const Lanes small = all(1e-6f);
+  const Mask apart = at.distance > small;
+  Vec out = (all(1) / most(at.distance, small)) * at.apart;
+  if (!(apart[0] & apart[1] & apart[2] & apart[3])) {
+    Vec across = cross(first.u, second.u);
+    const Mask parallel = dot(across, across) < all(1e-9f);
+    const Vec other = cross(first.u + second.u, Vec{all(0.36f), all(0.48f), all(0.8f)});
+    across = {choose(parallel, other.x, across.x), choose(parallel, other.y, across.y),
+              choose(parallel, other.z, across.z)};
+    across.x = choose(dot(across, across) < all(1e-18f), all(1), across.x);
+    across = (all(1) / root(dot(across, across))) * across;
+    out = {choose(apart, out.x, across.x), choose(apart, out.y, across.y), choose(apart, out.z, across.z)};
+  }
+  return out;
 }
 
-bool is_pinned(const Bodies &bodies, std::uint32_t element) {
-  return bodies.pinned[bodies.elements[element].a] && bodies.pinned[bodies.elements[element].b];
+// The constants of equation (1), four times each.
+struct Law {
+  Lanes gap, repulsion, attraction, range, bottom; // bottom: energy of touching bodies that attract
+  bool attracts;
+  explicit Law(const Strength &k)
+      : gap(all(static_cast<float>(k.gap))), repulsion(all(static_cast<float>(k.repulsion))),
+        attraction(all(static_cast<float>(k.attraction))),
+        range(all(static_cast<float>(k.attraction_range > 0 ? k.attraction_range : 1))),
+        bottom(all(-1.0f / 6) * attraction * range * range), attracts(k.attraction * k.attraction_range > 0) {
+  }
+
+  // Push (positive apart, negative together) and energy.
+  void operator()(const Lanes &room, bool attract, Lanes &push, Lanes &energy) const {
+    const Mask overlap = room < all(0);
+    push = choose(overlap, -repulsion * room, all(0));
+    energy = choose(overlap, all(0.5f) * repulsion * room * room, all(0));
+    if (!attract || !attracts) return;
+    const Mask near = (room >= all(0)) & (room < range);
+    const Lanes part = room / range;
+    push = choose(near, -attraction * room * (all(1) - part), push);
+    energy = choose(near, attraction * room * room * (all(0.5f) - part * all(1.0f / 3)), energy);
+    energy += choose(near | overlap, bottom, all(0));
+  }
+};
+
+double sum(const Lanes &x) {
+  return (static_cast<double>(x[0]) + static_cast<double>(x[1])) +
+         (static_cast<double>(x[2]) + static_cast<double>(x[3]));
 }
 
-// Size of the push: positive apart, negative together.
-double push_of(const Strength &k, double gap, bool attract) {
-  const double room = gap - k.gap;
-  if (room < 0) return -k.repulsion * room;
-  if (!attract || room >= k.attraction_range) return 0;
-  return -k.attraction * room * (1 - room / k.attraction_range);
-}
+// Adds up what the neighbours of one element do to it.
+struct Owner {
+  Four body;
+  Vec on_a = {all(0), all(0), all(0)}, on_b = on_a;
+  Lanes energy = all(0), overlap = all(0), deepest = all(0);
+  std::uint64_t overlapping = 0;
+
+  template <bool second> void meet(const Four &others, const Vec &shift, const Run &run, const Law &law) {
+    const Four &f = second ? others : body, &g = second ? body : others;
+    const FourClosest at = closest(f, g, shift);
+    const Lanes room = at.gap - law.gap;
+    const Mask counts = mask_of(run) & (room < law.range);
+    if (!(counts[0] | counts[1] | counts[2] | counts[3])) return;
+    Lanes push, stored;
+    law(room, !(run.flags & one_body), push, stored);
+    push = choose(counts, push, all(0));
+    energy += choose(counts, stored, all(0));
+    const Lanes depth = choose(counts & (at.gap < all(0)), -at.gap, all(0));
+    const Mask deep = depth > all(0);
+    overlap += depth, deepest = most(deepest, depth);
+    overlapping += static_cast<std::uint64_t>(-(deep[0] + deep[1] + deep[2] + deep[3]));
+    // Small structures yield to large ones: shares in proportion to the other's volume, all of it beside what
+    // is pinned.
+    const Lanes volume = at.radius_first * at.radius_first * at.radius_first,
+                other = at.radius_second * at.radius_second * at.radius_second;
+    const Lanes share = second ? choose(f.pinned > all(0), all(1), volume / (volume + other))
+                               : choose(g.pinned > all(0), all(1), other / (volume + other));
+    const Lanes along = second ? at.t : at.s, size = (second ? -push : push) * share;
+    const Vec force = size * direction_of(f, g, at);
+    on_a = on_a + (all(1) - along) * force;
+    on_b = on_b + along * force;
+  }
+};
 
 } // namespace
 
-void PairForces::set_pairs(const Bodies &bodies, std::vector<Pair> pairs) {
-  pairs_ = std::move(pairs);
-  contacts_.resize(pairs_.size());
-  offset_.assign(bodies.elements.size() + 1, 0);
-  for (const Pair &p : pairs_)
-    offset_[p.e + 1]++, offset_[p.f + 1]++;
-  for (std::size_t e = 0; e < bodies.elements.size(); e++)
-    offset_[e + 1] += offset_[e];
-  incident_.resize(offset_.back());
-  std::vector<std::uint64_t> next(offset_.begin(), offset_.end() - 1);
-  for (std::size_t k = 0; k < pairs_.size(); k++) {
-    incident_[next[pairs_[k].e]++] = 2 * k;
-    incident_[next[pairs_[k].f]++] = 2 * k + 1;
-  }
-}
-
-void PairForces::add(const Bodies &bodies, const Strength &strength, const glm::dvec3 &side, Workers &workers,
-                     std::vector<glm::dvec3> &force) {
-  workers.loop(pairs_.size(), 1024, [&](std::size_t k, unsigned) {
-    RoundCone first, second;
-    cones_of(bodies, pairs_[k], bodies.radius, side, first, second);
-    const Closest at = closest_axes(first, second);
-    const bool one_body =
-        same_copy(pairs_[k]) && bodies.elements[pairs_[k].e].cell == bodies.elements[pairs_[k].f].cell;
-    const double size = push_of(strength, at.gap, !one_body);
-    Contact &contact = contacts_[k];
-    contact.s = at.s, contact.t = at.t;
-    contact.push = size == 0 ? glm::dvec3(0) : size * direction_of(first, second, at.s, at.t);
-    // Small structures yield to large ones: shares in proportion to the other's volume, all of it beside what
-    // is pinned.
-    const double r = first.radius_a + at.s * (first.radius_b - first.radius_a);
-    const double q = second.radius_a + at.t * (second.radius_b - second.radius_a);
-    const double volume = r * r * r, other = q * q * q;
-    contact.first_share = is_pinned(bodies, pairs_[k].f) ? 1 : other / (volume + other);
-    contact.second_share = is_pinned(bodies, pairs_[k].e) ? 1 : volume / (volume + other);
+void ContactForces::add(const Bodies &bodies, const LaneBodies &lanes, const Runs &runs,
+                        const Strength &strength, Workers &workers, std::vector<glm::dvec3> &force,
+                        State &state) {
+  ends_.assign(bodies.elements.size(), {});
+  states_.assign(runs.block.size(), {});
+  const Law law(strength);
+  workers.loop(runs.block.size(), 1, [&](std::size_t b, unsigned) {
+    const RunBlock &block = runs.block[b];
+    State &mine = states_[b];
+    const auto end = [](const Vec &f) {
+      return glm::vec3(static_cast<float>(sum(f.x)), static_cast<float>(sum(f.y)),
+                       static_cast<float>(sum(f.z)));
+    };
+    std::size_t k = 0;
+    for (std::uint32_t c = block.first; c < block.last; c++)
+      for (std::uint32_t lane = 0; lane < bodies.chunks[c].count; lane++, k++) {
+        if (block.offset[k] == block.offset[k + 1]) continue;
+        Owner owner = {lanes.one(c, lane)};
+        for (std::uint32_t n = block.offset[k]; n < block.offset[k + 1]; n++) {
+          const Run &run = block.run[n];
+          if (run.flags & owner_is_second)
+            owner.meet<true>(lanes.run(run.chunk), runs.shift[run.shift], run, law);
+          else
+            owner.meet<false>(lanes.run(run.chunk), runs.shift[run.shift], run, law);
+        }
+        ends_[bodies.chunks[c].first + lane] = {end(owner.on_a), end(owner.on_b)};
+        mine.contact_energy += sum(owner.energy), mine.overlap_sum += sum(owner.overlap);
+        mine.overlapping += owner.overlapping;
+        for (int i = 0; i < 4; i++)
+          mine.largest_overlap = std::max(mine.largest_overlap, static_cast<double>(owner.deepest[i]));
+      }
   });
-  const auto pull = [&](std::uint32_t element, bool at_end) {
-    glm::dvec3 sum(0);
-    for (std::uint64_t n = offset_[element]; n < offset_[element + 1]; n++) {
-      const Contact &contact = contacts_[incident_[n] / 2];
-      const bool is_second = incident_[n] & 1;
-      const double along = is_second ? contact.t : contact.s;
-      const double share =
-          (is_second ? -contact.second_share : contact.first_share) * (at_end ? along : 1 - along);
-      sum += share * contact.push;
-    }
-    return sum;
-  };
+  // Each pair was met from both sides.
+  std::uint64_t overlapping = 0;
+  for (const State &s : states_) {
+    state.contact_energy += 0.5 * s.contact_energy, state.overlap_sum += 0.5 * s.overlap_sum;
+    state.largest_overlap = std::max(state.largest_overlap, s.largest_overlap);
+    overlapping += s.overlapping;
+  }
+  state.overlapping += overlapping / 2;
   workers.loop(bodies.points, 512, [&](std::size_t i, unsigned) {
     if (bodies.pinned[i]) return;
-    glm::dvec3 sum = pull(static_cast<std::uint32_t>(i), true);
+    glm::dvec3 sum = glm::dvec3(ends_[i].b);
+    if (bodies.elements[i].a == i) sum += glm::dvec3(ends_[i].a); // a root without a stub
     for (std::uint32_t c = bodies.child_offset[i]; c < bodies.child_offset[i + 1]; c++)
-      sum += pull(bodies.child[c], false);
+      sum += glm::dvec3(ends_[bodies.child[c]].a);
     force[i] += sum;
   });
 }
 
 void add_shape_forces(const Bodies &bodies, const Strength &strength, Workers &workers,
-                      std::vector<glm::dvec3> &force) {
-  // Force along the segment that ends at point i, on its end.
-  const auto tension = [&](std::size_t i) {
+                      std::vector<glm::dvec3> &force, State &state) {
+  // Force along the segment that ends at point i, on its end; `change` of its length.
+  const auto tension = [&](std::size_t i, double &change) {
     const glm::dvec3 along = bodies.position[i] - bodies.position[static_cast<std::size_t>(bodies.parent[i])];
     const double length = glm::length(along);
-    return length > 0 ? along * (strength.stretch * (bodies.rest_length[i] - length) / length)
-                      : glm::dvec3(0);
+    change = bodies.rest_length[i] - length;
+    return length > 0 ? along * (strength.stretch * change / length) : glm::dvec3(0);
   };
-  workers.loop(bodies.points, 512, [&](std::size_t i, unsigned) {
-    if (bodies.pinned[i]) return;
-    glm::dvec3 sum = tension(i);
-    for (std::uint32_t c = bodies.child_offset[i]; c < bodies.child_offset[i + 1]; c++)
-      sum -= tension(bodies.child[c]);
-    force[i] += sum + strength.bending * (bodies.rest_bend[i] - bend_of(bodies, i));
+  constexpr std::size_t block = 512;
+  std::vector<double> energy((bodies.points + block - 1) / block, 0);
+  workers.loop(energy.size(), 1, [&](std::size_t b, unsigned) {
+    for (std::size_t i = b * block; i < std::min(bodies.points, (b + 1) * block); i++) {
+      if (bodies.pinned[i]) continue;
+      double change = 0, other = 0;
+      glm::dvec3 sum = tension(i, change);
+      for (std::uint32_t c = bodies.child_offset[i]; c < bodies.child_offset[i + 1]; c++)
+        sum -= tension(bodies.child[c], other);
+      const glm::dvec3 bent = bodies.rest_bend[i] - bend_of(bodies, i);
+      force[i] += sum + strength.bending * bent;
+      energy[b] += 0.5 * strength.stretch * change * change + 0.5 * strength.bending * glm::dot(bent, bent);
+    }
   });
+  for (const double e : energy)
+    state.shape_energy += e;
 }
 
 } // namespace conceg::relax

@@ -2,7 +2,7 @@
 // The forces of the global optimisation, as displacements per iteration (um).
 #pragma once
 
-#include "collide.hpp"
+#include "runs.hpp"
 
 namespace conceg::relax {
 
@@ -15,31 +15,31 @@ struct Strength {
   double bending = 0.02;         // share of a change of bend that one iteration takes back
 };
 
-// Forces between the bodies of a fixed list of pairs. Each pair is worked out once, and each point then adds
-// up its own pairs in the order of the list: the same sums for any number of threads.
-class PairForces {
+// What the tissue is like in one iteration: energies in um^2 (forces are displacements), overlaps in um.
+struct State {
+  double contact_energy = 0, shape_energy = 0;
+  double overlap_sum = 0, largest_overlap = 0;
+  std::uint64_t overlapping = 0; // pairs
+};
+
+// Adds the forces between bodies on each point (pinned nodes are left out) to `force`, one per point, and
+// their energy and overlap to `state`. Each element sums over its own list in its order: the same bits for
+// any number of threads. Single precision.
+class ContactForces {
 public:
-  // Takes a new list; pairs sorted as Collider gives them.
-  void set_pairs(const Bodies &bodies, std::vector<Pair> pairs);
-  const std::vector<Pair> &pairs() const { return pairs_; }
-  // Adds the force on each point (pinned nodes are left out) to `force` (one per point).
-  void add(const Bodies &bodies, const Strength &strength, const glm::dvec3 &side, Workers &workers,
-           std::vector<glm::dvec3> &force);
+  void add(const Bodies &bodies, const LaneBodies &lanes, const Runs &runs, const Strength &strength,
+           Workers &workers, std::vector<glm::dvec3> &force, State &state);
 
 private:
-  struct Contact {
-    glm::dvec3 push; // on the first body at s; the second gets the opposite at t
-    double first_share, second_share, s, t;
+  struct Ends {
+    glm::vec3 a{0}, b{0}; // force on the two ends of an element
   };
-  std::vector<Pair> pairs_;
-  std::vector<Contact> contacts_;
-  std::vector<std::uint64_t>
-      offset_; // CSR: pairs of each element; the lowest bit tells which body of the pair it is
-  std::vector<std::uint64_t> incident_;
+  std::vector<Ends> ends_;
+  std::vector<State> states_; // per block
 };
 
 // Adds the forces that keep the cells' shape: towards rest length of each segment and the bend at each point.
 void add_shape_forces(const Bodies &bodies, const Strength &strength, Workers &workers,
-                      std::vector<glm::dvec3> &force);
+                      std::vector<glm::dvec3> &force, State &state);
 
 } // namespace conceg::relax

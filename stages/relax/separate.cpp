@@ -164,10 +164,37 @@ Certificate certify(const Bodies &bodies, const std::vector<Pair> &pairs, const 
     out.images += !foreign && !same_copy(pair);
     out.overlapping += gaps[k] < 0;
     out.tight += gaps[k] >= 0 && gaps[k] < gap;
+    if (gaps[k] < 0 && pair.e >= bodies.points && pair.f >= bodies.points) {
+      out.overlapping_somas++;
+      if (-gaps[k] > out.deepest_somas)
+        out.deepest_somas = -gaps[k], out.soma_e = bodies.elements[pair.e].cell,
+        out.soma_f = bodies.elements[pair.f].cell;
+    }
     if (gaps[k] < out.smallest_gap) out.smallest_gap = gaps[k], out.worst_e = pair.e, out.worst_f = pair.f;
   }
   out.largest_overlap = std::max(0.0, -out.smallest_gap);
   return out;
+}
+
+std::uint64_t count_pinched(const Bodies &bodies, const std::vector<Pair> &pairs, const glm::dvec3 &side,
+                            double gap, double step, const std::vector<double> &radius, Workers &workers) {
+  constexpr double thinnest_tube = 0.92; // of a step, sqrt(3)/2 + 0.05
+  const double need = gap + 2 * thinnest_tube * step;
+  std::vector<std::uint8_t> first(pairs.size()), second(pairs.size()), pinched(bodies.points, 0);
+  workers.loop(pairs.size(), 512, [&](std::size_t k, unsigned) {
+    RoundCone e, f;
+    cones_of(bodies, pairs[k], radius, side, e, f);
+    const bool joined =
+        same_copy(pairs[k]) && bodies.elements[pairs[k].e].cell == bodies.elements[pairs[k].f].cell;
+    if (joined) return; // one surface: nothing is cut
+    first[k] = closest_cones({e.b, e.b, 0, 0}, f).gap < need - e.radius_b;
+    second[k] = closest_cones({f.b, f.b, 0, 0}, e).gap < need - f.radius_b;
+  });
+  for (std::size_t k = 0; k < pairs.size(); k++) {
+    if (first[k] && pairs[k].e < bodies.points) pinched[pairs[k].e] = 1;
+    if (second[k] && pairs[k].f < bodies.points) pinched[pairs[k].f] = 1;
+  }
+  return static_cast<std::uint64_t>(std::count(pinched.begin(), pinched.end(), 1));
 }
 
 } // namespace conceg::relax

@@ -36,9 +36,17 @@ struct Certificate {
   double largest_overlap = 0;    // um
   double smallest_gap = 0; // um, over all pairs; negative when some overlap; infinity when there is no pair
   std::uint32_t worst_e = 0, worst_f = 0; // the elements of the smallest gap
+  std::uint64_t overlapping_somas = 0;    // pairs of somas with a gap below 0
+  double deepest_somas = 0;               // um
+  std::uint32_t soma_e = 0, soma_f = 0;   // the cells of the deepest
 };
 
 Certificate certify(const Bodies &bodies, const std::vector<Pair> &pairs, const glm::dvec3 &side, double gap,
                     const std::vector<double> &radius, Workers &workers);
+
+// Points at which a neighbour's contact plane leaves less than a tube of `step` um of grid can hold (the
+// mesher's condition): distance to the neighbour < gap + 2 * 0.92 step - radius.
+std::uint64_t count_pinched(const Bodies &bodies, const std::vector<Pair> &pairs, const glm::dvec3 &side,
+                            double gap, double step, const std::vector<double> &radius, Workers &workers);
 
 } // namespace conceg::relax

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The relax stage: skeletons are moved so that they can have their target radii, and cut where they cannot.
+#include "inflate.hpp"
 #include "relax.hpp"
 #include "separate.hpp"
 #include "spheres.hpp"
@@ -9,6 +10,8 @@
 #include <glm/vec3.hpp>
 
 #include <cmath>
+#include <cstdio>
+#include <map>
 #include <string>
 
 namespace {
@@ -63,14 +66,63 @@ void write_back(conceg_doc *doc, const Skeletons &s, const std::vector<std::uint
   put(doc, "/spheres/segment_end", spheres.segment_end);
 }
 
-void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
-  const conceg_box box = read_box(doc);
-  const glm::dvec3 sides = side(box);
-  Skeletons skeletons = read_skeletons(doc);
-  const Progress progress = progress_of(ctx);
-  Workers workers(conceg_ctx_threads(ctx));
-  Collider collider(workers.threads());
+constexpr std::size_t sample_points = 200000;
+constexpr double mean_tolerance = 0.15; // of a class's mean radius
 
+// The class of each cell, and their names.
+struct Classes {
+  std::vector<std::string> name;
+  std::vector<std::uint32_t> of_cell;
+};
+
+Classes read_classes(conceg_doc *doc, std::size_t cells) {
+  Classes out;
+  const std::vector<std::string> of_type = texts(doc, "/types/class");
+  const std::vector<std::uint32_t> type = values<std::uint32_t>(doc, "/cells/type");
+  std::map<std::string, std::uint32_t> number;
+  if (type.size() != cells)
+    fail(CONCEG_E_FORMAT, "/cells/type: expected %zu values, got %zu", cells, type.size());
+  for (std::size_t i = 0; i < cells; i++) {
+    if (type[i] >= of_type.size())
+      fail(CONCEG_E_RANGE, "/cells/type[%zu]: expected a type below %zu, got %u", i, of_type.size(), type[i]);
+    const auto found = number.emplace(of_type[type[i]], static_cast<std::uint32_t>(number.size()));
+    if (found.second) out.name.push_back(of_type[type[i]]);
+    out.of_cell.push_back(found.first->second);
+  }
+  return out;
+}
+
+// The table of the iterations, as a CSV file; whole or not at all.
+class Trace {
+public:
+  explicit Trace(std::string path) : path_(std::move(path)) {}
+  bool wanted() const { return !path_.empty(); }
+  void add(int iteration, const State &s, const Fractions &f) {
+    char line[256];
+    std::snprintf(line, sizeof line, "%d,%.6g,%.6g,%llu,%.6g,%.6g,%.6f,%.6f,%.6f\n", iteration,
+                  s.contact_energy, s.shape_energy, static_cast<unsigned long long>(s.overlapping),
+                  s.overlap_sum, s.largest_overlap, f.united, f.several, f.planes);
+    rows_ += line;
+  }
+  void write() const {
+    if (!wanted()) return;
+    const std::string part = path_ + ".part";
+    std::FILE *file = std::fopen(part.c_str(), "w");
+    const std::string head = "iteration,contact_energy_um2,shape_energy_um2,overlapping_pairs,overlap_sum_um,"
+                             "largest_overlap_um,icvf_united,icvf_several,icvf_planes\n";
+    bool good = file && std::fputs((head + rows_).c_str(), file) >= 0;
+    if (file) good = std::fclose(file) == 0 && good;
+    if (!good || std::rename(part.c_str(), path_.c_str()) != 0) {
+      std::remove(part.c_str());
+      fail(CONCEG_E_IO, "%s: cannot be written", path_.c_str());
+    }
+  }
+
+private:
+  std::string path_, rows_;
+};
+
+Strength strength_of(const conceg_params *params) {
   Strength strength;
   strength.gap = conceg_params_f64(params, "gap_um");
   strength.repulsion = conceg_params_f64(params, "repulsion");
@@ -78,30 +130,114 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
   strength.attraction_range = conceg_params_f64(params, "attraction_range_um");
   strength.stretch = conceg_params_f64(params, "stretch");
   strength.bending = conceg_params_f64(params, "bending");
+  return strength;
+}
+
+Motion motion_of(const conceg_params *params) {
   Motion motion;
   motion.iterations = static_cast<int>(conceg_params_i64(params, "iterations"));
   motion.momentum = conceg_params_f64(params, "momentum");
   motion.step = conceg_params_f64(params, "step_um");
   motion.skin = conceg_params_f64(params, "skin_um");
+  return motion;
+}
+
+void log_state(conceg_ctx *ctx, conceg_log_level level, int iteration, const State &s) {
+  conceg_ctx_log(
+      ctx, level,
+      "iteration %d: energy %.4g um2 of contacts, %.4g of shape; %llu pairs overlap, by %.4g um in "
+      "all, %.4f at most",
+      iteration, s.contact_energy, s.shape_energy, count(s.overlapping), s.overlap_sum, s.largest_overlap);
+}
+
+void log_classes(conceg_ctx *ctx, const Classes &classes, const std::vector<ClassRadii> &radii) {
+  for (std::size_t k = 0; k < radii.size(); k++)
+    if (radii[k].target_mean > 0)
+      conceg_ctx_log(
+          ctx, CONCEG_LOG_INFO,
+          "%s: mean radius %.4f um, %.3f of its target; volume-weighted CV %.3f, %.3f of its target",
+          classes.name[k].c_str(), radii[k].mean, radii[k].mean_ratio(), radii[k].cv, radii[k].cv_ratio());
+}
+
+// Widens `radius` until the cells fill `asked` of the box behind their contact planes, and says how far it
+// came.
+void fill_box(conceg_ctx *ctx, const Bodies &bodies, const conceg_box &box, const std::vector<double> &target,
+              const Classes &classes, double gap, double asked, std::vector<double> &radius,
+              Workers &workers) {
+  std::vector<double> most = inflated(bodies, radius, 1e9);
+  const Sample sample = make_sample(bodies, most, box, sample_points, gap, workers);
+  const double before = fractions_of(bodies, radius, side(box), sample, gap, workers).planes;
+  const Inflation done = inflate_to(bodies, radius, target, classes.of_cell, classes.name.size(), side(box),
+                                    sample, gap, asked, mean_tolerance, workers);
+  radius = inflated(bodies, radius, done.c);
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_INFO,
+      "volume fraction behind contact planes: %.4f without inflation, %.4f with %.4f um; asked %.4f", before,
+      done.fraction, done.c, asked);
+  if (!done.stop) return;
+  const std::string why = done.stop == 1 ? "no radius may grow by more than a quarter"
+                                         : "the mean radius of class " + classes.name[done.stop - 2] +
+                                               " may not be more than 15 % above its target";
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_WARNING,
+      "relax: icvf: asked %.4f, reached %.4f: %s; ask for more cable or thicker processes in the recipe",
+      asked, done.fraction, why.c_str());
+}
+
+void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
+  const conceg_box box = read_box(doc);
+  const glm::dvec3 sides = side(box);
+  Skeletons skeletons = read_skeletons(doc);
+  const Classes classes = read_classes(doc, skeletons.soma.size());
+  const Progress progress = progress_of(ctx);
+  Workers workers(conceg_ctx_threads(ctx));
+  Collider collider(workers.threads());
+  const Strength strength = strength_of(params);
+  const Motion motion = motion_of(params);
+  const double contact = conceg_params_f64(params, "contact_overlap_um"),
+               asked = conceg_params_f64(params, "icvf");
+  Trace trace(conceg_params_text(params, "trace"));
 
   Bodies bodies = make_bodies(skeletons, conceg_params_f64(params, "radius_min_um"));
   const std::vector<double> target = bodies.radius;
-  const auto close_pairs = [&](const std::vector<double> &radius) {
-    return collider.find(bodies, radius, box, strength.gap, workers).pairs;
+  const auto close_pairs = [&](const std::vector<double> &radius, double reach) {
+    return collider.find(bodies, radius, box, reach, workers).pairs;
+  };
+  const auto fractions = [&](const std::vector<double> &radius) {
+    const Sample sample = make_sample(bodies, radius, box, sample_points, strength.gap, workers);
+    return fractions_of(bodies, radius, sides, sample, strength.gap, workers);
   };
 
-  const std::vector<Pair> at_start = close_pairs(target);
-  log_certificate(ctx, CONCEG_LOG_INFO, "before, at target radii",
-                  certify(bodies, at_start, sides, strength.gap, target, workers));
+  const std::vector<Pair> at_start = close_pairs(target, strength.gap);
+  const Certificate before = certify(bodies, at_start, sides, strength.gap, target, workers);
+  log_certificate(ctx, CONCEG_LOG_INFO, "before, at target radii", before);
+  if (before.overlapping_somas)
+    fail(CONCEG_E_RANGE,
+         "/cells/soma: %llu pairs of somas overlap, by up to %.3f um (cells %u and %u); somas do not move: "
+         "raise "
+         "place.soma_gap_um",
+         count(before.overlapping_somas), before.deepest_somas, before.soma_e, before.soma_f);
   std::vector<double> unmoved = target;
   const Cut without = cut_radii(bodies, at_start, sides, strength.gap, unmoved, workers, progress);
 
-  const Moved moved = move_bodies(bodies, box, strength, motion, collider, workers, progress);
-  const std::vector<Pair> at_end = close_pairs(target);
+  const Moved moved = move_bodies(
+      bodies, box, strength, motion, collider, workers, progress, [&](int iteration, const State &state) {
+        log_state(ctx, iteration % 20 ? CONCEG_LOG_DEBUG : CONCEG_LOG_INFO, iteration, state);
+        if (trace.wanted() && iteration % 5 == 0) trace.add(iteration, state, fractions(target));
+      });
+  trace.write();
+  const std::vector<Pair> at_end = close_pairs(target, strength.gap);
   log_certificate(ctx, CONCEG_LOG_INFO, "moved, at target radii",
                   certify(bodies, at_end, sides, strength.gap, target, workers));
   std::vector<double> radius = target;
   const Cut cut = cut_radii(bodies, at_end, sides, strength.gap, radius, workers, progress);
+  const Fractions strict = fractions(radius);
+  conceg_ctx_log(ctx, CONCEG_LOG_INFO, "volume fraction of disjoint round cones: %.4f", strict.united);
+  if (contact > 0) {
+    radius = target;
+    cut_radii(bodies, at_end, sides, -contact, radius, workers, progress);
+  }
+  if (asked > 0) fill_box(ctx, bodies, box, target, classes, strength.gap, asked, radius, workers);
 
   std::vector<std::uint8_t> status(bodies.points);
   for (std::size_t i = 0; i < bodies.points; i++) {
@@ -111,25 +247,46 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
     radius[i] = skeletons.radius[i];
   }
   // The certificate looks at what is written, over a list of its own.
-  const Certificate final = certify(bodies, close_pairs(radius), sides, strength.gap, radius, workers);
+  const std::vector<Pair> at_last = close_pairs(radius, strength.gap);
+  const Certificate final = certify(bodies, at_last, sides, strength.gap, radius, workers);
   log_certificate(ctx, CONCEG_LOG_INFO, "written", final);
-  if (final.overlapping)
+  const bool left_to_planes = contact > 0 || asked > 0;
+  if (final.overlapping && !left_to_planes)
     conceg_ctx_log(
         ctx, CONCEG_LOG_WARNING,
         "relax: %llu pairs still overlap at the least radius, by at most %.4f um (skeleton rows %u and %u); "
         "the mesh cuts them at their contact plane. Raise relax.iterations or lower relax.radius_min_um",
         count(final.overlapping), final.largest_overlap, final.worst_e, final.worst_f);
+  if (final.overlapping && left_to_planes)
+    conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                   "%llu pairs overlap, by at most %.4f um: left to the contact planes of the mesh",
+                   count(final.overlapping), final.largest_overlap);
+  const double step = conceg_params_f64(params, "mesh_step_um");
+  const std::vector<Pair> near_planes = close_pairs(radius, strength.gap + 2 * step);
+  if (const std::uint64_t pinched =
+          count_pinched(bodies, near_planes, sides, strength.gap, step, radius, workers))
+    conceg_ctx_log(ctx, left_to_planes ? CONCEG_LOG_WARNING : CONCEG_LOG_INFO,
+                   "relax: at %llu points (%s) contact planes leave less than a mesh grid of %.3f um can "
+                   "hold; a smaller "
+                   "mesh.h_um or relax.contact_overlap_um keeps them",
+                   count(pinched), percent(pinched, bodies.points).c_str(), step);
+  const Fractions written = fractions(radius);
+  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                 "written: volume fraction %.4f, %.4f of it in several cells; %.4f behind contact planes",
+                 written.united, written.several, written.planes);
+  log_classes(ctx, classes, class_radii(bodies, radius, target, classes.of_cell, classes.name.size()));
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
                  "points below 95 %% of their target radius: %s without moving, %s after it; mean share of "
                  "the target %.4f, then %.4f (%llu sweeps)",
                  percent(without.constricted, bodies.points).c_str(),
                  percent(cut.constricted, bodies.points).c_str(), without.mean_share, cut.mean_share,
                  count(cut.sweeps));
-  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
-                 "moved %zu points in %d iterations, %llu lists of pairs (%llu pairs in the last): shift "
-                 "%.3f um mean, %.3f um largest; cable %.1f -> %.1f um",
-                 bodies.points, motion.iterations, count(moved.rebuilds), count(moved.pairs),
-                 moved.mean_shift, moved.largest_shift, moved.length_before, moved.length_after);
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_INFO,
+      "moved %zu points in %d iterations, %llu lists of pairs, pruned %llu times (%llu runs in the last): "
+      "shift %.3f um mean, %.3f um largest; cable %.1f -> %.1f um",
+      bodies.points, motion.iterations, count(moved.rebuilds), count(moved.prunes), count(moved.runs),
+      moved.mean_shift, moved.largest_shift, moved.length_before, moved.length_after);
   workers.count(ctx, "relax.items");
   write_back(doc, skeletons, status, resample(skeletons, conceg_params_f64(params, "sphere_spacing")));
 }
@@ -155,8 +312,17 @@ const conceg_param parameters[] = {
     {"momentum", "1", "share of the last step that goes on (heavy ball)", "0.8", nullptr, CONCEG_PARAM_F64, 0,
      0, 0.99},
     {"step_um", "um", "largest move of a point in one step", "0.05", nullptr, CONCEG_PARAM_F64, 0, 0.0001, 1},
-    {"skin_um", "um", "slack of the list of pairs; changes the time only", "0.25", nullptr, CONCEG_PARAM_F64,
-     0, 0.01, 5},
+    {"skin_um", "um", "slack of the list of pairs; changes the time, and the result by rounding", "0.6",
+     nullptr, CONCEG_PARAM_F64, 0, 0.01, 5},
+    {"icvf", "1", "volume fraction to fill behind the mesh's contact planes by widening all radii; 0 = off",
+     "0", nullptr, CONCEG_PARAM_F64, 0, 0, 0.95},
+    {"contact_overlap_um", "um",
+     "overlap that is left to the contact planes of the mesh; 0 = none, cells keep gap_um", "0", nullptr,
+     CONCEG_PARAM_F64, 0, 0, 1},
+    {"mesh_step_um", "um", "grid step of the mesh for which thin places are warned about", "0.16", nullptr,
+     CONCEG_PARAM_F64, 0, 0.01, 10},
+    {"trace", "", "table of energy, overlap and volume fraction every fifth iteration, a CSV file", "",
+     nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
     {"sphere_spacing", "1", "distance of the spheres of /spheres in radii", "1", nullptr, CONCEG_PARAM_F64, 0,
      0.05, 2},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};

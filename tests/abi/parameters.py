@@ -25,6 +25,7 @@ instead = {
     "relax.iterations": ("5", "the upper bound takes an hour"),
     "place.soma_gap_um": ("2", "the lower bound shows only where somata touch, the upper one fits no box"),
     "relax.skin_um": ("0.5", "at the upper bound the list of pairs is everything"),
+    "relax.mesh_step_um": ("0.3", "at the upper bound all points are neighbours"),
     "relax.sphere_spacing": ("2", "the lower bound makes twenty times the spheres"),
     "export.diffusivity_um2_per_ms": ("1", "any other value shows"),
     "export.pulse_ms": ("4", "the upper bound is longer than the separation"),
@@ -55,7 +56,9 @@ instead = {
 }
 # The same bytes are demanded.
 same = {
-    "relax.skin_um": "slack of the list of pairs: changes the time only",
+    "relax.mesh_step_um": "grid for which thin places are warned about",
+    "relax.trace": "a file beside the document",
+    "mesh.space": "a line of the log",
     "triangulate.tile_um": "size of the pieces that are worked on: changes the time only",
     "analyse.icvf_tolerance": "where a warning begins: the measures are the same",
     "characterise.root": "a folder that the files of this test are not in",
@@ -92,6 +95,7 @@ texts = {
     "simulate.nifti": "{work}/signals",
     "simulate.pictures": "{work}/signals",
     "simulate.checkpoint": "{work}/kept.cgx",
+    "relax.trace": "{work}/trace.csv",
     "fit.compartment": "intra",
     "fit.free": "none",
     "fit.csv": "{work}/csv",

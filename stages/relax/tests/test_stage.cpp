@@ -127,6 +127,9 @@ void clear_errors() {
   CHECK(says(run(bad, 1), CONCEG_E_RANGE, "/skeleton/parent[20]"));
   bad = good, bad.position[9].x = 1e12;
   CHECK(says(run(bad, 1), CONCEG_E_RANGE, "/skeleton/position[9]"));
+  bad = good, bad.soma[1] = bad.soma[0] + glm::dvec3(1, 0, 0);
+  CHECK(says(run(bad, 1), CONCEG_E_RANGE, "somas overlap"));
+  CHECK(says(run(good, 1, "relax.trace=/nonexistent/trace.csv"), CONCEG_E_IO, "/nonexistent/trace.csv"));
   bad = good, bad.position[9].x = 5e6; // a segment over 300 000 boxes
   CHECK(says(run(bad, 1), CONCEG_E_RANGE, "images"));
 }

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Volume fractions against formulas, inflation to a fraction that is known, and the two ways in which it
+// stops.
+#include "../inflate.hpp"
+#include "check.h"
+#include "scene.hpp"
+
+#include <cmath>
+
+using namespace conceg;
+using namespace conceg::relax;
+
+namespace {
+
+const double pi = std::acos(-1.0);
+
+// Parallel cables through a periodic box of 10 um, 2.5 um apart: 16 of them, volume by formula.
+Bodies cables(float radius) {
+  Skeletons s;
+  for (int i = 0; i < 4; i++)
+    for (int j = 0; j < 4; j++)
+      scene::add_cable(s, {2.5 * i, 2.5 * j, 0}, {0, 0, 1}, 11, radius); // its end is the image of its start
+  return make_bodies(s, 0.1);
+}
+
+double planes(const Bodies &bodies, double gap, unsigned threads) {
+  Workers workers(threads);
+  const conceg_box box = scene::box_of(10);
+  const Sample sample = make_sample(bodies, bodies.radius, box, 100000, gap, workers);
+  return fractions_of(bodies, bodies.radius, side(box), sample, gap, workers).planes;
+}
+
+void fractions_by_formula() {
+  Workers workers(2);
+  const conceg_box box = scene::box_of(10);
+  const Bodies bodies = cables(0.8f);
+  const Sample sample = make_sample(bodies, bodies.radius, box, 100000, 0.04, workers);
+  const Fractions f = fractions_of(bodies, bodies.radius, side(box), sample, 0.04, workers);
+  printf("cables: united %.4f, by formula %.4f\n", f.united, 16 * pi * 0.64 / 100);
+  CHECK_NEAR(f.united, 16 * pi * 0.64 / 100, 0.003);
+  // Wider than their distance: contact planes make squares of 2.5 um, the whole box; a gap takes its share of
+  // them, and more where a cable meets its image's end.
+  CHECK_NEAR(planes(cables(2.0f), 1e-9, 2), 1, 1e-4);
+  const double squares = planes(cables(2.0f), 0.1, 1);
+  CHECK(squares < 2.4 * 2.4 / 6.25 && squares > 0.8);
+  CHECK(squares == planes(cables(2.0f), 0.1, 3));
+}
+
+Inflation inflate(double asked, double tolerance) {
+  Workers workers(2);
+  const conceg_box box = scene::box_of(10);
+  const Bodies bodies = cables(0.8f);
+  const Sample sample = make_sample(bodies, inflated(bodies, bodies.radius, 1e9), box, 100000, 1e-9, workers);
+  return inflate_to(bodies, bodies.radius, bodies.radius, std::vector<std::uint32_t>(16, 0), 1, side(box),
+                    sample, 1e-9, asked, tolerance, workers);
+}
+
+void inflation_has_a_known_end() {
+  // 16 pi r^2 = 0.36 * 100 at r = 0.8463.
+  const Inflation reached = inflate(0.36, 0.15);
+  printf("inflation %.4f um to %.4f\n", reached.c, reached.fraction);
+  CHECK_EQUAL(reached.stop, 0);
+  CHECK_NEAR(reached.fraction, 0.36, 0.001);
+  CHECK_NEAR(reached.c, std::sqrt(36 / (16 * pi)) - 0.8, 0.01);
+  const Inflation mean = inflate(0.9, 0.15);
+  CHECK_EQUAL(mean.stop, 2); // class 0
+  CHECK_NEAR(mean.c, 0.15 * 0.8, 1e-4);
+  const Inflation quarter = inflate(0.9, 0.5);
+  CHECK_EQUAL(quarter.stop, 1);
+  CHECK_NEAR(quarter.c, 0.25 * 0.8, 1e-6);
+}
+
+} // namespace
+
+int main() {
+  fractions_by_formula();
+  inflation_has_a_known_end();
+  return check_done();
+}
