@@ -78,7 +78,7 @@ struct Scene {
 
 struct SceneOptions {
   double h = 0.25;      // largest step, um
-  double gap = 0.04;    // um
+  double gap = 0.06;    // um
   double inflate = 0;   // c, um; a cone of radius r grows by min(c, 0.25 r)
   double smooth = 0.3;  // k / r
   bool centred = false; // nodes at the centres of the voxels, for volumes

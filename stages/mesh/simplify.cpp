@@ -76,8 +76,9 @@ private:
 
 class Simplifier {
 public:
-  Simplifier(const Surface &base, double tolerance, const std::vector<std::uint8_t> &locked)
-      : base_(base), limit_(kMean * kMean * tolerance * tolerance), locked_(locked), face_(base.face) {
+  Simplifier(const Surface &base, const std::vector<float> &tolerance) : base_(base), face_(base.face) {
+    for (const float t : tolerance)
+      limit_.push_back(static_cast<float>(kMean * kMean * t * t));
     origin_ = base.vertex.empty() ? glm::dvec3(0) : glm::dvec3(base.vertex[0]);
     for (const glm::vec3 &v : base.vertex)
       position_.push_back(glm::dvec3(v) - origin_);
@@ -104,7 +105,6 @@ public:
 
 private:
   bool gone(std::uint32_t v) const { return count_[v] == 0; }
-  bool is_locked(std::uint32_t v) const { return !locked_.empty() && locked_[v]; }
   glm::dvec3 corner(std::uint32_t face, int i) const { return position_[face_[face][i]]; }
 
   void build_rings() {
@@ -141,12 +141,13 @@ private:
   }
 
   void queue_edge(std::uint32_t a, std::uint32_t b) {
-    if (is_locked(a) || is_locked(b)) return;
+    const double limit = std::min(limit_[a], limit_[b]);
+    if (!(limit > 0)) return;
     Quadric q = quadric_[a];
     q.add(quadric_[b]);
     const double error = q.at(best_point(q, a, b)) / q.weight();
-    if (!(error < limit_)) return;
-    const double share = std::sqrt(std::max(0.0, error) / limit_);
+    if (!(error < limit)) return;
+    const double share = std::sqrt(std::max(0.0, error) / limit);
     queue_.push(std::min(kBuckets - 1, static_cast<int>(share * kBuckets)),
                 {a, b, version_[a] + version_[b]});
   }
@@ -243,7 +244,7 @@ private:
       ring_.push_back(f);
     }
     store_ring(a, b);
-    position_[a] = x, quadric_[a] = q;
+    position_[a] = x, quadric_[a] = q, limit_[a] = std::min(limit_[a], limit_[b]);
     version_[a]++, version_[b]++;
     stamp_ += 2;
     for (const std::uint32_t f : ring_)
@@ -295,8 +296,7 @@ private:
   }
 
   const Surface &base_;
-  double limit_; // of the mean squared distance to the planes
-  const std::vector<std::uint8_t> &locked_;
+  std::vector<float> limit_; // of the mean squared distance to the planes
   glm::dvec3 origin_{};
   std::vector<glm::dvec3> position_;
   std::vector<Quadric> quadric_;
@@ -308,10 +308,8 @@ private:
 
 } // namespace
 
-Surface simplify(const Surface &base, double tolerance, const std::vector<std::uint8_t> &locked,
-                 const std::function<bool()> &keep_going) {
-  if (!(tolerance > 0) || base.face.empty()) return base;
-  return Simplifier(base, tolerance, locked).run(keep_going);
+Surface simplify(const Surface &base, const std::vector<float> &tolerance, const std::function<bool()> &keep_going) {
+  return Simplifier(base, tolerance).run(keep_going);
 }
 
 } // namespace conceg::mesh

@@ -19,15 +19,19 @@ using namespace conceg::mesh;
 const conceg_param parameters[] = {
     {"h_um", "um", "largest step of the common grid; tubes thinner than 0.92 of it may break", "0.16",
      nullptr, CONCEG_PARAM_F64, 0, 0.01, 100},
-    {"gap_um", "um", "gap between cells in contact; the meshes keep at least half of it", "0.04", nullptr,
+    {"gap_um", "um", "gap between cells in contact; the meshes keep at least a third of it", "0.06", nullptr,
      CONCEG_PARAM_F64, 0, 0.001, 10},
     {"inflate_um", "um",
      "widens all cells before they are separated: packing control (at most a quarter of the radius)", "0",
      nullptr, CONCEG_PARAM_F64, 0, 0, 10},
     {"smooth_k", "1", "width of the fillet at forks and at the soma over the local radius", "0.3", nullptr,
      CONCEG_PARAM_F64, 0, 0, 2},
-    {"tolerance_um", "um", "how far simplification may move a surface, at most gap_um / 2; 0 = the base mesh",
-     "0.02", nullptr, CONCEG_PARAM_F64, 0, 0, 10},
+    {"cluster", "",
+     "light mesh: crossings of the grid that lie nearest to one node become one vertex; false = base mesh", "true",
+     nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
+    {"tolerance_um", "um",
+     "how far simplification may move a surface where no other is near; 0 = no simplification", "0.05", nullptr,
+     CONCEG_PARAM_F64, 0, 0, 10},
     {"volumes", "", "write label and distance volumes", "true", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"volume_step_um", "um", "largest voxel of the volumes; 0 = twice h_um", "0", nullptr, CONCEG_PARAM_F64,
      0, 0, 100},
@@ -109,13 +113,11 @@ void warn_thin(conceg_ctx *ctx, const Scene &scene) {
                    scene.thin_points[worst]);
 }
 
-std::vector<Pieces> keep_pieces(conceg_ctx *ctx, const Tissue &tissue, std::vector<Surface> &base,
-                                Workers &workers) {
-  std::vector<Pieces> pieces(base.size());
-  workers.loop(base.size(), 1, [&](std::size_t i, unsigned) {
-    pieces[i] = keep_soma_piece(base[i], tissue.soma[i] - base[i].origin, tissue.soma_radius[i] > 0);
-  });
-  for (std::size_t i = 0; i < base.size(); i++) {
+void report_pieces(conceg_ctx *ctx, const std::vector<Pieces> &pieces, const std::vector<Surface> &surfaces) {
+  std::vector<std::uint8_t> there(pieces.size());
+  for (const Surface &surface : surfaces)
+    there[surface.cell] = 1;
+  for (std::size_t i = 0; i < pieces.size(); i++) {
     const Pieces &p = pieces[i];
     if (p.detached)
       conceg_ctx_log(ctx, CONCEG_LOG_INFO,
@@ -127,11 +129,10 @@ std::vector<Pieces> keep_pieces(conceg_ctx *ctx, const Tissue &tissue, std::vect
     if (!p.soma_found)
       conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
                      "mesh: cell %zu: no piece holds the soma's centre; the largest one was kept", i);
-    if (base[i].face.empty())
+    if (!there[i])
       conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "mesh: cell %zu: nothing of it is large enough for the grid",
                      i);
   }
-  return pieces;
 }
 
 template <class T> T *fill(conceg_doc *doc, const char *path, std::uint64_t rows, std::uint64_t columns = 1) {
@@ -220,20 +221,19 @@ void write_volumes(conceg_doc *doc, const Volume &volume) {
   put(doc, "/volumes/distance", volume.distance, kLeafVoxels);
 }
 
-void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done,
-                   const std::vector<Pieces> &pieces, std::size_t base_faces) {
+void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done) {
   std::size_t faces = 0;
   double total = 0, cut = 0;
   for (const Surface &surface : done.surfaces)
     faces += surface.face.size(), total += volume_of(surface);
-  for (const Pieces &p : pieces)
+  for (const Pieces &p : done.pieces)
     cut += p.detached_volume;
   conceg_ctx_log(
       ctx, CONCEG_LOG_INFO,
-      "mesh: %zu surfaces, %zu faces (base mesh %zu), %llu pairs checked, 0 crossings, %llu places repaired "
+      "mesh: %zu surfaces, %zu faces (%llu before simplification), %llu pairs checked, 0 crossings, %llu places repaired "
       "in %d rounds, "
       "cells fill %.4f of the box",
-      done.surfaces.size(), faces, base_faces, static_cast<unsigned long long>(done.check.pairs_checked),
+      done.surfaces.size(), faces, static_cast<unsigned long long>(done.base_faces), static_cast<unsigned long long>(done.check.pairs_checked),
       static_cast<unsigned long long>(done.repaired_pairs), done.rounds, total / volume(tissue.box));
   if (cut > 0.01 * total)
     conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
@@ -258,23 +258,14 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   std::vector<glm::dvec3> origin;
   for (const glm::dvec3 &soma : tissue.soma)
     origin.push_back(snap(soma));
-  std::vector<Surface> base = extract_surfaces(scene, index, origin, workers, progress);
-  workers.count(ctx, "mesh.blocks");
-  const std::vector<Pieces> pieces = keep_pieces(ctx, tissue, base, workers);
-  base.erase(
-      std::remove_if(base.begin(), base.end(), [](const Surface &surface) { return surface.face.empty(); }),
-      base.end());
-  std::size_t base_faces = 0;
-  for (const Surface &surface : base)
-    base_faces += surface.face.size();
-
   FinishOptions finish_options;
   finish_options.tolerance = conceg_params_f64(params, "tolerance_um");
   finish_options.gap = options.gap;
-  finish_options.h = scene.grid.unit;
-  const Finished done = finish(base, tissue.box, finish_options, workers, progress);
-  workers.count(ctx, "mesh.check");
-  std::vector<Surface>().swap(base);
+  finish_options.cluster = conceg_params_bool(params, "cluster") != 0;
+  const Finished done = finish(scene, index, {origin, tissue.soma, tissue.soma_radius}, tissue.box, finish_options,
+                               workers, progress);
+  workers.count(ctx, "mesh.surfaces");
+  report_pieces(ctx, done.pieces, done.surfaces);
   if (done.check.errors)
     for (const Defect &defect : done.check.defects)
       if (defect.flaw != Flaw::near)
@@ -286,9 +277,9 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   must(conceg_doc_drop(doc, "/volumes"));
   write_geometry(doc, done.surfaces);
   write_faces(doc, scene, index, done.surfaces, workers);
-  write_measures(doc, tissue, scene, done.surfaces, done.check, pieces, options.gap);
+  write_measures(doc, tissue, scene, done.surfaces, done.check, done.pieces, options.gap);
   workers.count(ctx, "mesh.faces");
-  report_result(ctx, tissue, done, pieces, base_faces);
+  report_result(ctx, tissue, done);
 
   const char *vdb = conceg_params_text(params, "vdb");
   const bool wanted = conceg_params_bool(params, "volumes") != 0;
@@ -303,11 +294,6 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
 
 conceg_status check(conceg_ctx *ctx, conceg_doc *, const conceg_params *params) {
   return guard(ctx, "mesh", [&] {
-    const double tolerance = conceg_params_f64(params, "tolerance_um"),
-                 gap = conceg_params_f64(params, "gap_um");
-    if (tolerance > 0.5 * gap)
-      fail(CONCEG_E_RANGE, "tolerance_um: expected at most half of gap_um (%g), got %g; cells would cross",
-           0.5 * gap, tolerance);
     if (*conceg_params_text(params, "vdb") && !vdb_available())
       fail(CONCEG_E_UNSUPPORTED,
            "vdb: this build has no OpenVDB; install libopenvdb-dev and build again, or leave --vdb out");
