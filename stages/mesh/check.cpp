@@ -66,7 +66,7 @@ void check_again(const std::vector<Surface> &surfaces, const std::vector<std::ui
     result.errors += defect.flaw != Flaw::near;
     result.crossings += is_pair(defect.flaw) && defect.flaw != Flaw::near;
   }
-  result.min_gap.assign(surfaces.size(), 2 * options.gap);
+  result.min_gap.assign(surfaces.size(), kGapReach * options.gap);
   for (const Gap &gap : result.gaps)
     for (const std::uint32_t s : {gap.surface, gap.other_surface})
       result.min_gap[s] = std::min(result.min_gap[s], std::sqrt(gap.distance2));

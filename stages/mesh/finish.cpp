@@ -40,7 +40,6 @@ public:
         if (slot_[cell] != kNoSlot) changed[slot_[cell]] = 1;
       check_again(result_.surfaces, changed, box_, check, workers_, progress_, result_.check);
       result_.rounds = round;
-      if (getenv("DBG")) { int n[16] = {}; for (auto &d : result_.check.defects) n[(int)d.flaw]++; std::size_t f=0; for (auto&s:result_.surfaces) f+=s.face.size(); fprintf(stderr, "round %d todo %zu faces %zu pairs %llu:", round, todo.size(), f, (unsigned long long)result_.check.pairs_checked); for (int i=0;i<12;i++) if(n[i]) fprintf(stderr," %s %d",flaw_name((Flaw)i),n[i]); fprintf(stderr,"\n"); }
       if (result_.check.defects.empty() || exact || round == options_.rounds) break;
       result_.repaired_pairs += result_.check.defects.size();
       todo = plan_repair(width, round + 1 == options_.rounds);

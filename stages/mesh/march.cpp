@@ -101,7 +101,7 @@ private:
   bool neighbours(int i, int j) const {
     const glm::ivec3 d = step_[i] - step_[j];
     const int low = std::min({d.x, d.y, d.z}), high = std::max({d.x, d.y, d.z});
-    return high - low == 1 && (low == 0 || high == 0);
+    return d != glm::ivec3(0) && ((low >= 0 && high == 1) || (low == -1 && high <= 0));
   }
   // One piece, and as many vertices less edges plus triangles as a disk has.
   bool is_disk(unsigned mask) const {

@@ -16,6 +16,7 @@
 namespace conceg::mesh {
 namespace {
 
+constexpr double kPlace = 1.1;              // edge of a hash cell over the mean size of a face with its margin
 constexpr std::size_t kSlab = 12u << 20;  // entries of the hash that are held at a time
 constexpr std::size_t kStretch = 1u << 15; // faces of one task
 
@@ -44,7 +45,8 @@ public:
             const std::vector<std::uint8_t> &changed, const conceg_box &box, const CheckOptions &options,
             Workers &workers, const Progress &progress)
       : surfaces_(surfaces), usable_(usable), changed_(changed), box_(box), options_(options), workers_(workers),
-        progress_(progress), margin_(options.gap), far2_(4 * options.gap * options.gap) {}
+        progress_(progress), margin_(0.5 * kGapReach * options.gap),
+        far2_(4 * margin_ * margin_) {}
 
   void run(CheckResult &result) {
     list_stretches();
@@ -130,7 +132,7 @@ private:
       }
       faces += surfaces_[s].face.size();
     }
-    const double wanted = faces ? std::max(1.5 * sum / double(faces), 1e-3) : 1.0;
+    const double wanted = faces ? std::max(kPlace * sum / double(faces), 1e-3) : 1.0;
     for (int axis = 0; axis < 3; axis++) {
       const double side = high[axis] - low_[axis];
       places_[axis] = static_cast<int>(std::min(double(1 << 20), std::max(1.0, std::floor(side / wanted))));

@@ -216,11 +216,33 @@ private:
     return true;
   }
 
+  // Moves x along the mean normal so that the collapse of a-b to it leaves the enclosed volume as it is: with
+  // the corners p, q of the faces that stay, in order, sum x.(p x q) = sum over the old faces of b.(p x q), all
+  // seen from a (Lindstrom and Turk 1998).
+  glm::dvec3 keep_volume(std::uint32_t a, std::uint32_t b, const glm::dvec3 &x) const {
+    const glm::dvec3 from = position_[a];
+    glm::dvec3 normal(0);
+    double six_volume = 0;
+    for (const std::uint32_t v : {a, b})
+      for (std::uint32_t i = 0; i < count_[v]; i++) {
+        const glm::uvec3 &f = face_[pool_[first_[v] + i]];
+        const std::uint32_t other = v == a ? b : a;
+        if (f.x == other || f.y == other || f.z == other) continue;
+        const int k = f.x == v ? 0 : f.y == v ? 1 : 2;
+        const glm::dvec3 side = cross_product(position_[f[(k + 1) % 3]] - from, position_[f[(k + 2) % 3]] - from);
+        normal += side;
+        if (v == b) six_volume += glm::dot(position_[b] - from, side);
+      }
+    const double length2 = glm::dot(normal, normal);
+    return length2 > 0 ? x + normal * ((six_volume - glm::dot(x - from, normal)) / length2) : x;
+  }
+
   void try_collapse(std::uint32_t a, std::uint32_t b) {
     if (count_[a] + count_[b] > kValence + 4 || !link_holds(a, b)) return;
     Quadric q = quadric_[a];
     q.add(quadric_[b]);
-    const glm::dvec3 x = best_point(q, a, b);
+    const glm::dvec3 x = keep_volume(a, b, best_point(q, a, b));
+    if (!(q.at(x) < std::min(limit_[a], limit_[b]) * q.weight())) return;
     double least_old = 1, least_new = 1;
     if (!faces_hold(a, b, x, least_old, least_new) || !faces_hold(b, a, x, least_old, least_new)) return;
     if (least_new < std::min(kShape, least_old)) return;

@@ -248,6 +248,7 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   options.gap = conceg_params_f64(params, "gap_um");
   options.inflate = conceg_params_f64(params, "inflate_um");
   options.smooth = conceg_params_f64(params, "smooth_k");
+  options.cluster = conceg_params_bool(params, "cluster") != 0;
   Workers workers(conceg_ctx_threads(ctx));
   const Progress progress = progress_of(ctx);
   const Scene scene = make_scene(tissue, options);
@@ -261,7 +262,7 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   FinishOptions finish_options;
   finish_options.tolerance = conceg_params_f64(params, "tolerance_um");
   finish_options.gap = options.gap;
-  finish_options.cluster = conceg_params_bool(params, "cluster") != 0;
+  finish_options.cluster = options.cluster;
   const Finished done = finish(scene, index, {origin, tissue.soma, tissue.soma_radius}, tissue.box, finish_options,
                                workers, progress);
   workers.count(ctx, "mesh.surfaces");
