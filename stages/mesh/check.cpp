@@ -36,19 +36,23 @@ const char *flaw_name(Flaw flaw) {
 CheckResult check_surfaces(const std::vector<Surface> &surfaces, const conceg_box &box,
                            const CheckOptions &options, Workers &workers, const Progress &progress) {
   CheckResult result;
-  check_again(surfaces, std::vector<std::uint8_t>(surfaces.size(), 1), box, options, workers, progress, result);
+  check_again(surfaces, std::vector<std::uint8_t>(surfaces.size(), 1), box, options, workers, progress,
+              result);
   return result;
 }
 
 void check_again(const std::vector<Surface> &surfaces, const std::vector<std::uint8_t> &changed,
-                 const conceg_box &box, const CheckOptions &options, Workers &workers, const Progress &progress,
-                 CheckResult &result) {
+                 const conceg_box &box, const CheckOptions &options, Workers &workers,
+                 const Progress &progress, CheckResult &result) {
   const auto is_old = [&](std::uint32_t s) { return !changed[s]; };
-  const auto outdated = [&](const auto &pair) { return !is_old(pair.surface) || !is_old(pair.other_surface); };
+  const auto outdated = [&](const auto &pair) {
+    return !is_old(pair.surface) || !is_old(pair.other_surface);
+  };
   auto &defects = result.defects;
-  defects.erase(std::remove_if(defects.begin(), defects.end(),
-                               [&](const Defect &d) { return is_pair(d.flaw) ? outdated(d) : !is_old(d.surface); }),
-                defects.end());
+  defects.erase(
+      std::remove_if(defects.begin(), defects.end(),
+                     [&](const Defect &d) { return is_pair(d.flaw) ? outdated(d) : !is_old(d.surface); }),
+      defects.end());
   result.gaps.erase(std::remove_if(result.gaps.begin(), result.gaps.end(), outdated), result.gaps.end());
   std::vector<std::vector<Defect>> found(surfaces.size());
   result.usable.resize(surfaces.size()), result.closed.resize(surfaces.size());

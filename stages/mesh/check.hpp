@@ -56,7 +56,7 @@ struct CheckResult {
   std::uint64_t errors = 0;    // defects that make the meshes unfit: all but near
   std::uint64_t crossings = 0; // pairs among them
   std::uint64_t pairs_checked = 0;
-  std::vector<double> min_gap;      // per surface: distance to the nearest other label, at most kGapReach * gap
+  std::vector<double> min_gap; // per surface: distance to the nearest other label, at most kGapReach * gap
   std::vector<std::uint8_t> closed; // per surface: no flaw other than crossings
   std::vector<std::uint8_t> usable; // per surface: the pair test can take it
   std::vector<Gap> gaps;            // pairs of labels nearer than kGapReach * gap
@@ -66,11 +66,11 @@ struct CheckResult {
 CheckResult check_surfaces(const std::vector<Surface> &surfaces, const conceg_box &box,
                            const CheckOptions &options, Workers &workers, const Progress &progress);
 
-// Brings `result` up to date after some surfaces have been replaced: pairs of two others are not tested again.
-// pairs_checked counts the tests of all times.
+// Brings `result` up to date after some surfaces have been replaced: pairs of two others are not tested
+// again. pairs_checked counts the tests of all times.
 void check_again(const std::vector<Surface> &surfaces, const std::vector<std::uint8_t> &changed,
-                 const conceg_box &box, const CheckOptions &options, Workers &workers, const Progress &progress,
-                 CheckResult &result);
+                 const conceg_box &box, const CheckOptions &options, Workers &workers,
+                 const Progress &progress, CheckResult &result);
 
 // One line that names a defect and its place.
 std::string describe(const Defect &defect, const std::vector<Surface> &surfaces);

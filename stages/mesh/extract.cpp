@@ -45,7 +45,6 @@ std::uint64_t curve(std::uint64_t key, const glm::ivec3 &centre) {
   return (bits(node.z) << 2 | bits(node.y) << 1 | bits(node.x)) << 3 | (key & 7);
 }
 
-
 glm::ivec3 local_node(int node) {
   return {node % kRow, node / kRow % kRow, node / (kRow * kRow)};
 }
@@ -69,9 +68,9 @@ void order_faces(std::vector<glm::uvec3> &faces, std::size_t vertices) {
   faces.swap(sorted);
 }
 
-
 // Takes away vertices whose faces all shrank to nothing.
-template <class... Values> void drop_unused(std::vector<glm::uvec3> &face, std::vector<glm::vec3> &vertex, Values &...values) {
+template <class... Values>
+void drop_unused(std::vector<glm::uvec3> &face, std::vector<glm::vec3> &vertex, Values &...values) {
   std::vector<std::uint32_t> number(vertex.size());
   for (const glm::uvec3 &f : face)
     number[f.x] = number[f.y] = number[f.z] = 1;
@@ -124,8 +123,8 @@ Joined put_together(const Grid &grid, std::uint32_t cell, const glm::dvec3 &orig
   for (std::size_t i = 0; i < found.size(); i++) {
     if (i == 0 || found[i].key != found[i - 1].key) {
       const ChunkVertex &v = *found[i].vertex;
-      const glm::dvec3 voxel =
-          glm::dvec3(node_of(found[i].key)) + glm::dvec3(v.offset[0], v.offset[1], v.offset[2]) / double(kOffset);
+      const glm::dvec3 voxel = glm::dvec3(node_of(found[i].key)) +
+                               glm::dvec3(v.offset[0], v.offset[1], v.offset[2]) / double(kOffset);
       surface.vertex.push_back(written((voxel - centre) * grid.step));
       surface.room.push_back(static_cast<float>(v.room / double(kRoomUnit) * grid.unit));
       joined.key.push_back(found[i].key);
@@ -136,7 +135,8 @@ Joined put_together(const Grid &grid, std::uint32_t cell, const glm::dvec3 &orig
   std::uint32_t base = 0;
   for (const Chunk &chunk : chunks) {
     for (const ChunkFace &f : chunk.face)
-      surface.face.push_back({number[base + f.corner[0]], number[base + f.corner[1]], number[base + f.corner[2]]});
+      surface.face.push_back(
+          {number[base + f.corner[0]], number[base + f.corner[1]], number[base + f.corner[2]]});
     base += static_cast<std::uint32_t>(chunk.vertex.size());
   }
   drop_unused(surface.face, surface.vertex, surface.room, joined.key);
@@ -249,8 +249,9 @@ void march_row_again(const Scene &scene, const Index &index, const Wanted *wante
       if (field.label[label].cell != w->cell || field.label[label].lift != w->chunk->lift) continue;
       const Apart &apart = apart_of(w->cell);
       Chunk again;
-      marcher.run(field, label, scene.grid.size, true, [&](const glm::ivec3 &node) { return apart.holds(node); },
-                  again);
+      marcher.run(
+          field, label, scene.grid.size, true, [&](const glm::ivec3 &node) { return apart.holds(node); },
+          again);
       again.row = w->row;
       *w->chunk = again; // a copy has no slack
       break;
@@ -288,13 +289,14 @@ Chunks march_blocks(const Scene &scene, const Index &index, bool cluster, Worker
 }
 
 void march_again(const Scene &scene, const Index &index, const std::vector<std::uint32_t> &cells,
-                 const std::vector<Apart> &apart, const std::vector<std::vector<NodeBox>> &places, Workers &workers,
-                 Chunks &chunks) {
+                 const std::vector<Apart> &apart, const std::vector<std::vector<NodeBox>> &places,
+                 Workers &workers, Chunks &chunks) {
   std::vector<Wanted> wanted;
   for (const std::uint32_t cell : cells)
     for (Chunk &chunk : chunks[cell])
       if (is_met(chunk, apart[cell], places[cell])) wanted.push_back({chunk.row, cell, &chunk});
-  std::stable_sort(wanted.begin(), wanted.end(), [](const Wanted &l, const Wanted &r) { return l.row < r.row; });
+  std::stable_sort(wanted.begin(), wanted.end(),
+                   [](const Wanted &l, const Wanted &r) { return l.row < r.row; });
   std::vector<std::size_t> first; // of each row
   for (std::size_t i = 0; i < wanted.size(); i++)
     if (i == 0 || wanted[i].row != wanted[i - 1].row) first.push_back(i);

@@ -44,8 +44,8 @@ private:
 // Marches again those chunks of the cells that one of their places meets; all of them when `apart.whole`.
 // `apart` and `places` are per cell.
 void march_again(const Scene &scene, const Index &index, const std::vector<std::uint32_t> &cells,
-                 const std::vector<Apart> &apart, const std::vector<std::vector<NodeBox>> &places, Workers &workers,
-                 Chunks &chunks);
+                 const std::vector<Apart> &apart, const std::vector<std::vector<NodeBox>> &places,
+                 Workers &workers, Chunks &chunks);
 
 // One closed manifold surface from a cell's chunks, relative to `origin`, with `room`. Nodes whose clusters
 // spoil it are added to `apart` and marched again. The order of vertices and faces follows the unwrapped

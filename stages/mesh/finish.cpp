@@ -79,7 +79,8 @@ private:
     made_[cell] = std::move(base);
   }
 
-  // How far simplification may move each vertex (README, equation 5): 0 next to nodes that keep the base mesh.
+  // How far simplification may move each vertex (README, equation 5): 0 next to nodes that keep the base
+  // mesh.
   std::vector<float> tolerances(const Surface &base, std::uint32_t cell) const {
     std::vector<float> tolerance(base.vertex.size());
     const double near = kLeastGap * options_.gap;
@@ -91,7 +92,9 @@ private:
     return tolerance;
   }
 
-  static bool holds(const Apart &apart, const glm::ivec3 &node) { return !apart.empty() && apart.holds(node); }
+  static bool holds(const Apart &apart, const glm::ivec3 &node) {
+    return !apart.empty() && apart.holds(node);
+  }
 
   glm::ivec3 node_at(const glm::dvec3 &position) const {
     return glm::ivec3(glm::floor(scene_.grid.voxel_of(position) + 0.5));
@@ -101,8 +104,7 @@ private:
   void collect() {
     for (std::uint32_t cell = 0; cell < scene_.cells; cell++) {
       if (made_[cell].face.empty()) continue;
-      if (slot_[cell] == kNoSlot)
-        slot_[cell] = result_.surfaces.size(), result_.surfaces.emplace_back();
+      if (slot_[cell] == kNoSlot) slot_[cell] = result_.surfaces.size(), result_.surfaces.emplace_back();
       result_.surfaces[slot_[cell]] = std::move(made_[cell]);
       made_[cell] = Surface();
     }
@@ -153,9 +155,9 @@ private:
   Workers &workers_;
   const Progress &progress_;
   Chunks chunks_;
-  std::vector<Apart> apart_;  // per cell: where the base mesh stands unclustered
-  std::vector<Apart> locked_; // per cell: where it is not simplified either; empty in the first round
-  std::vector<Surface> made_; // per cell, of this round
+  std::vector<Apart> apart_;      // per cell: where the base mesh stands unclustered
+  std::vector<Apart> locked_;     // per cell: where it is not simplified either; empty in the first round
+  std::vector<Surface> made_;     // per cell, of this round
   std::vector<std::size_t> slot_; // per cell: its row in the result
   std::vector<std::uint64_t> faces_;
   Finished result_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // From chunks to the meshes that are written: join, simplify, check, and where the check finds something go
-// back to the base mesh around that place, until the check finds nothing. A gap below a third of the wanted one
-// counts as a find: the base mesh keeps gap / 1.91.
+// back to the base mesh around that place, until the check finds nothing. A gap below a third of the wanted
+// one counts as a find: the base mesh keeps gap / 1.91.
 #pragma once
 
 #include "check.hpp"
@@ -20,10 +20,10 @@ struct FinishOptions {
 };
 
 struct Finished {
-  std::vector<Surface> surfaces; // of the cells that have one
-  std::vector<Pieces> pieces;    // per cell
-  CheckResult check;             // of the surfaces returned
-  int rounds = 0;                // repair rounds that were needed
+  std::vector<Surface> surfaces;    // of the cells that have one
+  std::vector<Pieces> pieces;       // per cell
+  CheckResult check;                // of the surfaces returned
+  int rounds = 0;                   // repair rounds that were needed
   std::uint64_t repaired_pairs = 0; // crossings, folds and narrow gaps found on the way
   std::uint64_t base_faces = 0;     // before simplification
 };

@@ -183,8 +183,8 @@ void Marcher::march_row(int y, int z, int width, Chunk &out) {
     for (const CubeFace &face : table()[inside]) {
       ChunkFace f;
       for (int i = 0; i < 3; i++)
-        f.corner[i] = static_cast<std::uint16_t>(
-            vertex(x, y, z, face[static_cast<std::size_t>(i)].corner, face[static_cast<std::size_t>(i)].direction, out));
+        f.corner[i] = static_cast<std::uint16_t>(vertex(x, y, z, face[static_cast<std::size_t>(i)].corner,
+                                                        face[static_cast<std::size_t>(i)].direction, out));
       if (f.corner[0] != f.corner[1] && f.corner[1] != f.corner[2] && f.corner[2] != f.corner[0])
         out.face.push_back(f);
     }
@@ -207,7 +207,8 @@ std::uint32_t Marcher::vertex(int x, int y, int z, int corner, int direction, Ch
   const Crossing c = crossing(node, far);
   std::uint32_t number = kApart;
   if (cluster_)
-    number = c.part < 0.5f ? cluster_at(node, {x, y, z}, out) : cluster_at(far, glm::ivec3(x, y, z) + step, out);
+    number =
+        c.part < 0.5f ? cluster_at(node, {x, y, z}, out) : cluster_at(far, glm::ivec3(x, y, z) + step, out);
   if (number == kApart) number = add(node, direction, c.part * glm::vec3(step), c.room, out);
   slot_[slot] = number;
   used_.push_back(slot);

@@ -19,9 +19,9 @@ constexpr float kRoomMost = 63.0f; // units; farther neighbours are as good as n
 // A vertex is named by its node in the block and one of 7 edge directions, as bits x, y, z: the crossing on
 // that edge. Direction 0: all crossings nearest to the node.
 struct ChunkVertex {
-  std::uint16_t name;      // local node * 8 + direction
-  std::int16_t offset[3];  // from the node
-  std::uint16_t room;      // distance to the nearest other label
+  std::uint16_t name;     // local node * 8 + direction
+  std::int16_t offset[3]; // from the node
+  std::uint16_t room;     // distance to the nearest other label
 };
 static_assert(kNodes * 8 <= 1 << 16, "names of vertices have 16 bits");
 
@@ -31,9 +31,9 @@ struct ChunkFace {
 
 // What one block gives to one cell.
 struct Chunk {
-  std::uint32_t row = 0;  // of the index
-  glm::ivec3 lift{};      // the cell's image in this block is moved by lift boxes
-  glm::ivec3 first{};     // unwrapped node at local (0, 0, 0)
+  std::uint32_t row = 0; // of the index
+  glm::ivec3 lift{};     // the cell's image in this block is moved by lift boxes
+  glm::ivec3 first{};    // unwrapped node at local (0, 0, 0)
   std::vector<ChunkVertex> vertex;
   std::vector<ChunkFace> face;
 };

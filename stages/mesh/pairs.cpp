@@ -16,8 +16,8 @@
 namespace conceg::mesh {
 namespace {
 
-constexpr double kPlace = 1.1;              // edge of a hash cell over the mean size of a face with its margin
-constexpr std::size_t kSlab = 12u << 20;  // entries of the hash that are held at a time
+constexpr double kPlace = 1.1;             // edge of a hash cell over the mean size of a face with its margin
+constexpr std::size_t kSlab = 12u << 20;   // entries of the hash that are held at a time
 constexpr std::size_t kStretch = 1u << 15; // faces of one task
 
 struct Bounds {
@@ -44,8 +44,8 @@ public:
   PairCheck(const std::vector<Surface> &surfaces, const std::vector<std::uint8_t> &usable,
             const std::vector<std::uint8_t> &changed, const conceg_box &box, const CheckOptions &options,
             Workers &workers, const Progress &progress)
-      : surfaces_(surfaces), usable_(usable), changed_(changed), box_(box), options_(options), workers_(workers),
-        progress_(progress), margin_(0.5 * kGapReach * options.gap),
+      : surfaces_(surfaces), usable_(usable), changed_(changed), box_(box), options_(options),
+        workers_(workers), progress_(progress), margin_(0.5 * kGapReach * options.gap),
         far2_(4 * margin_ * margin_) {}
 
   void run(CheckResult &result) {
@@ -59,7 +59,8 @@ public:
       workers_.loop(run_.empty() ? 0 : run_.size() - 1, 256, [&](std::size_t i, unsigned worker) {
         if (worth_[i]) check_place(run_[i], run_[i + 1], worker_[worker]);
       });
-      report(progress_, "mesh: check", static_cast<std::uint64_t>(last), static_cast<std::uint64_t>(places_.z));
+      report(progress_, "mesh: check", static_cast<std::uint64_t>(last),
+             static_cast<std::uint64_t>(places_.z));
       first = last;
     }
     for (const Worker &worker : worker_) {
@@ -79,7 +80,8 @@ private:
   };
   struct Worker {
     std::vector<Item> item;
-    std::array<std::vector<float>, 6> side; // low and high of the items, around the hash cell, rounded outwards
+    std::array<std::vector<float>, 6>
+        side; // low and high of the items, around the hash cell, rounded outwards
     std::vector<std::uint8_t> meets;
     std::vector<Defect> found;
     std::unordered_map<std::uint64_t, double> gap2; // per pair of surfaces: smallest squared gap so far
@@ -191,7 +193,9 @@ private:
         hash_face(stretch_[i].surface, f, first, last, parts[i]);
     });
     const auto layer_size = static_cast<std::uint64_t>(places_.x) * static_cast<std::uint64_t>(places_.y);
-    const auto layer_of = [&](const HashEntry &e) { return e.place / layer_size - static_cast<std::uint64_t>(first); };
+    const auto layer_of = [&](const HashEntry &e) {
+      return e.place / layer_size - static_cast<std::uint64_t>(first);
+    };
     const auto layers = static_cast<std::size_t>(last - first);
     std::vector<std::size_t> start(layers + 1);
     for (int z = first; z < last; z++)
@@ -283,7 +287,8 @@ private:
       const Item &item = worker.item.back();
       for (int axis = 0; axis < 3; axis++) {
         const double low = item.low[axis] - corner[axis], high = item.high[axis] - corner[axis];
-        worker.side[static_cast<std::size_t>(axis)][i - first] = static_cast<float>(low - 1e-6 * (1 + std::fabs(low)));
+        worker.side[static_cast<std::size_t>(axis)][i - first] =
+            static_cast<float>(low - 1e-6 * (1 + std::fabs(low)));
         worker.side[static_cast<std::size_t>(axis + 3)][i - first] =
             static_cast<float>(high + 1e-6 * (1 + std::fabs(high)));
       }

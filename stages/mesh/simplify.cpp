@@ -217,8 +217,8 @@ private:
   }
 
   // Moves x along the mean normal so that the collapse of a-b to it leaves the enclosed volume as it is: with
-  // the corners p, q of the faces that stay, in order, sum x.(p x q) = sum over the old faces of b.(p x q), all
-  // seen from a (Lindstrom and Turk 1998).
+  // the corners p, q of the faces that stay, in order, sum x.(p x q) = sum over the old faces of b.(p x q),
+  // all seen from a (Lindstrom and Turk 1998).
   glm::dvec3 keep_volume(std::uint32_t a, std::uint32_t b, const glm::dvec3 &x) const {
     const glm::dvec3 from = position_[a];
     glm::dvec3 normal(0);
@@ -229,7 +229,8 @@ private:
         const std::uint32_t other = v == a ? b : a;
         if (f.x == other || f.y == other || f.z == other) continue;
         const int k = f.x == v ? 0 : f.y == v ? 1 : 2;
-        const glm::dvec3 side = cross_product(position_[f[(k + 1) % 3]] - from, position_[f[(k + 2) % 3]] - from);
+        const glm::dvec3 side =
+            cross_product(position_[f[(k + 1) % 3]] - from, position_[f[(k + 2) % 3]] - from);
         normal += side;
         if (v == b) six_volume += glm::dot(position_[b] - from, side);
       }
@@ -330,7 +331,8 @@ private:
 
 } // namespace
 
-Surface simplify(const Surface &base, const std::vector<float> &tolerance, const std::function<bool()> &keep_going) {
+Surface simplify(const Surface &base, const std::vector<float> &tolerance,
+                 const std::function<bool()> &keep_going) {
   return Simplifier(base, tolerance).run(keep_going);
 }
 

@@ -11,8 +11,9 @@
 
 namespace conceg::mesh {
 
-// `tolerance` (um) of each vertex; those with 0 stay where they are with all their faces. `keep_going` is asked
-// now and then; false stops with an unfinished (still valid) surface.
-Surface simplify(const Surface &base, const std::vector<float> &tolerance, const std::function<bool()> &keep_going);
+// `tolerance` (um) of each vertex; those with 0 stay where they are with all their faces. `keep_going` is
+// asked now and then; false stops with an unfinished (still valid) surface.
+Surface simplify(const Surface &base, const std::vector<float> &tolerance,
+                 const std::function<bool()> &keep_going);
 
 } // namespace conceg::mesh

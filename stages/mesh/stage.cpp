@@ -27,11 +27,11 @@ const conceg_param parameters[] = {
     {"smooth_k", "1", "width of the fillet at forks and at the soma over the local radius", "0.3", nullptr,
      CONCEG_PARAM_F64, 0, 0, 2},
     {"cluster", "",
-     "light mesh: crossings of the grid that lie nearest to one node become one vertex; false = base mesh", "true",
-     nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
+     "light mesh: crossings of the grid that lie nearest to one node become one vertex; false = base mesh",
+     "true", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"tolerance_um", "um",
-     "how far simplification may move a surface where no other is near; 0 = no simplification", "0.05", nullptr,
-     CONCEG_PARAM_F64, 0, 0, 10},
+     "how far simplification may move a surface where no other is near; 0 = no simplification", "0.05",
+     nullptr, CONCEG_PARAM_F64, 0, 0, 10},
     {"volumes", "", "write label and distance volumes", "true", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"volume_step_um", "um", "largest voxel of the volumes; 0 = twice h_um", "0", nullptr, CONCEG_PARAM_F64,
      0, 0, 100},
@@ -84,10 +84,10 @@ Tissue read_tissue(conceg_doc *doc) {
   return tissue;
 }
 
-// What the base mesh will take, from the area of the primitives: 9 faces per step^2, and about 80 bytes a
-// face in all.
-void predict_cost(conceg_ctx *ctx, const Scene &scene) {
-  const double unit = scene.grid.unit, faces = 9 * primitive_area(scene), bytes = 100 * faces;
+// What the mesh will take, from the area of the primitives: faces per step^2, and bytes a face in all.
+void predict_cost(conceg_ctx *ctx, const Scene &scene, bool light) {
+  const double unit = scene.grid.unit, faces = (light ? 3 : 9) * primitive_area(scene),
+               bytes = (light ? 60 : 100) * faces;
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
                  "mesh: %.0f um2 of membrane on a grid of %.3f um: about %.2g faces before simplification",
                  primitive_area(scene) * unit * unit, unit, faces);
@@ -228,13 +228,15 @@ void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done) 
     faces += surface.face.size(), total += volume_of(surface);
   for (const Pieces &p : done.pieces)
     cut += p.detached_volume;
-  conceg_ctx_log(
-      ctx, CONCEG_LOG_INFO,
-      "mesh: %zu surfaces, %zu faces (%llu before simplification), %llu pairs checked, 0 crossings, %llu places repaired "
-      "in %d rounds, "
-      "cells fill %.4f of the box",
-      done.surfaces.size(), faces, static_cast<unsigned long long>(done.base_faces), static_cast<unsigned long long>(done.check.pairs_checked),
-      static_cast<unsigned long long>(done.repaired_pairs), done.rounds, total / volume(tissue.box));
+  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                 "mesh: %zu surfaces, %zu faces (%llu before simplification), %llu pairs checked, 0 "
+                 "crossings, %llu places repaired "
+                 "in %d rounds, "
+                 "cells fill %.4f of the box",
+                 done.surfaces.size(), faces, static_cast<unsigned long long>(done.base_faces),
+                 static_cast<unsigned long long>(done.check.pairs_checked),
+                 static_cast<unsigned long long>(done.repaired_pairs), done.rounds,
+                 total / volume(tissue.box));
   if (cut > 0.01 * total)
     conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
                    "mesh: pieces cut off from their somas hold %.2f %% of the cell volume and are left out",
@@ -252,7 +254,7 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   Workers workers(conceg_ctx_threads(ctx));
   const Progress progress = progress_of(ctx);
   const Scene scene = make_scene(tissue, options);
-  predict_cost(ctx, scene);
+  predict_cost(ctx, scene, options.cluster);
   warn_thin(ctx, scene);
   const Index index = make_index(scene, workers, progress);
   workers.count(ctx, "mesh.index");
@@ -263,8 +265,8 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   finish_options.tolerance = conceg_params_f64(params, "tolerance_um");
   finish_options.gap = options.gap;
   finish_options.cluster = options.cluster;
-  const Finished done = finish(scene, index, {origin, tissue.soma, tissue.soma_radius}, tissue.box, finish_options,
-                               workers, progress);
+  const Finished done = finish(scene, index, {origin, tissue.soma, tissue.soma_radius}, tissue.box,
+                               finish_options, workers, progress);
   workers.count(ctx, "mesh.surfaces");
   report_pieces(ctx, done.pieces, done.surfaces);
   if (done.check.errors)

@@ -55,7 +55,8 @@ int main(int argc, char **argv) {
   clock.lap("index");
   FinishOptions finish_options;
   finish_options.tolerance = tolerance;
-  const Finished done = finish(scene, index, {tissue.soma, tissue.soma, tissue.soma_radius}, tissue.box, finish_options, workers, {});
+  const Finished done = finish(scene, index, {tissue.soma, tissue.soma, tissue.soma_radius}, tissue.box,
+                               finish_options, workers, {});
   clock.lap("finish");
   for (const auto &surface : done.surfaces)
     label_faces(scene, index, surface, workers);
@@ -73,9 +74,8 @@ int main(int argc, char **argv) {
               scene.cone.size(), tissue.cells(), (unsigned long long)done.base_faces, faces(done.surfaces));
   std::printf("fill %.4f, detached %.4f, min gap %.4f um, %llu pairs, %llu "
               "flaws, %d rounds, %llu repaired\n",
-              final_volume / volume, detached / volume, gap,
-              (unsigned long long)done.check.pairs_checked, (unsigned long long)done.check.errors,
-              done.rounds, (unsigned long long)done.repaired_pairs);
+              final_volume / volume, detached / volume, gap, (unsigned long long)done.check.pairs_checked,
+              (unsigned long long)done.check.errors, done.rounds, (unsigned long long)done.repaired_pairs);
   for (std::size_t i = 0; i < std::min<std::size_t>(5, done.check.defects.size()); i++)
     std::printf("  %s\n", describe(done.check.defects[i], done.surfaces).c_str());
   std::printf("peak %.0f MB\n", double(usage.ru_maxrss) / 1024);

@@ -121,7 +121,8 @@ inline Finished finish_tissue(const Tissue &tissue, SceneOptions scene_options, 
   conceg::Workers workers(threads);
   const Scene scene = make_scene(tissue, scene_options);
   const Index index = make_index(scene, workers, {});
-  return finish(scene, index, {tissue.soma, tissue.soma, tissue.soma_radius}, tissue.box, options, workers, {});
+  return finish(scene, index, {tissue.soma, tissue.soma, tissue.soma_radius}, tissue.box, options, workers,
+                {});
 }
 
 } // namespace scenes

@@ -53,8 +53,9 @@ void simplified_stays_near() {
   options.h = 0.2;
   const Meshed mesh = mesh_of(tissue, options);
   for (const double tolerance : {0.01, 0.02, 0.04, 0.08}) {
-    const Surface light = simplify(
-        mesh.surfaces[0], std::vector<float>(mesh.surfaces[0].vertex.size(), static_cast<float>(tolerance)), {});
+    const Surface light =
+        simplify(mesh.surfaces[0],
+                 std::vector<float>(mesh.surfaces[0].vertex.size(), static_cast<float>(tolerance)), {});
     std::printf("tolerance %.3f: %zu -> %zu faces, there %.4f, back %.4f um\n", tolerance,
                 mesh.surfaces[0].face.size(), light.face.size(), farthest(light, mesh.surfaces[0]),
                 farthest(mesh.surfaces[0], light));
@@ -73,8 +74,7 @@ Finished finish_forest(const Tissue &tissue, double tolerance, unsigned threads,
   SceneOptions options;
   options.h = 0.25;
   FinishOptions finish_options;
-  finish_options.tolerance = tolerance, finish_options.cluster = cluster,
-  finish_options.gap = gap;
+  finish_options.tolerance = tolerance, finish_options.cluster = cluster, finish_options.gap = gap;
   return finish_tissue(tissue, options, finish_options, threads);
 }
 
@@ -111,17 +111,18 @@ void forest_is_light_and_sound() {
   sound_and_apart(base), sound_and_apart(clustered);
   CHECK(faces(clustered.surfaces) < 0.34 * double(faces(base.surfaces)));
   CHECK(faces(one.surfaces) < 0.15 * double(faces(base.surfaces)));
-  std::printf("forest: base %zu faces, light %zu, simplified %zu; volumes %.1f %.1f %.1f\n", faces(base.surfaces),
-              faces(clustered.surfaces), faces(one.surfaces), volume(base), volume(clustered), volume(one));
+  std::printf("forest: base %zu faces, light %zu, simplified %zu; volumes %.1f %.1f %.1f\n",
+              faces(base.surfaces), faces(clustered.surfaces), faces(one.surfaces), volume(base),
+              volume(clustered), volume(one));
   // A light mesh differs from the base mesh by the corners that a cluster cuts.
   CHECK_NEAR(volume(clustered) / volume(base), 1, 0.02);
-  // A gap is asked for that the light mesh does not keep everywhere: the repair goes back to the base mesh there.
-  const Finished wide = finish_forest(tissue, 0.05, 2, true, 0.093);
+  // A gap is asked for that no mesh keeps: the repair ends at the base mesh, and that is sound.
+  const Finished wide = finish_forest(tissue, 0.05, 2, true, 0.3);
   CHECK(wide.repaired_pairs > 0 && wide.rounds > 0);
   CHECK_EQUAL(wide.check.errors, 0);
+  CHECK(faces(wide.surfaces) > 2 * faces(clustered.surfaces));
   for (const double gap : wide.check.min_gap)
-    CHECK(gap >= 0.031);
-  same_bytes(wide, finish_forest(tissue, 0.05, 1, true, 0.093));
+    CHECK(gap >= 0.06 / 1.91);
 }
 
 // A check of what was replaced finds what a check of everything finds.
