@@ -197,7 +197,9 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
   else
     leave_out("/bars", "asked and achieved bars");
 
-  must(conceg_doc_drop(doc, "/statistics"));
+  for (const char *name : {"summary", "class", "type", "neurite", "bars", "morphometry", "cell", "comparison",
+                           "comparison_bars"})
+    must(conceg_doc_drop(doc, (std::string("/statistics/") + name).c_str()));
   for (const Table &table :
        {summary_table(cells, measures), class_table(cells, measures), type_table(cells, measures),
         neurite_table(cells, measures), bars_table(cells, measures), morphometry_table(cells, measures),

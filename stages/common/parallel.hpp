@@ -5,6 +5,7 @@
 
 #include "conceg/ctx.h"
 #include "guard.hpp"
+#include "phases.hpp"
 #include "team.hpp"
 
 #include <algorithm>
@@ -22,6 +23,7 @@ class Workers {
 public:
   explicit Workers(unsigned threads) : team_(std::max(1u, threads)), done_(team_.size()) {}
   unsigned threads() const { return team_.size(); }
+  double busy_s() const { return team_.busy_s(); }
 
   // body(index, worker) for every index in [0, count); workers take blocks of `grain` indices as they come.
   template <class Body> void loop(std::size_t count, std::size_t grain, Body &&body) {
@@ -63,6 +65,17 @@ private:
   Team team_;
   std::vector<Done> done_;
 };
+
+// Says where the wall time of a stage went; with several threads also how much of it they did not use.
+inline void tell_phases(conceg_ctx *ctx, const char *stage, const Phases &phases, double busy_s,
+                        unsigned threads) {
+  if (threads == 1)
+    conceg_ctx_log(ctx, CONCEG_LOG_INFO, "%s: seconds by phase: %s", stage, phases.text().c_str());
+  else
+    conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                   "%s: seconds by phase: %s; serial and idle share of %u threads %.1f %%", stage,
+                   phases.text().c_str(), threads, 100.0 * phases.serial_and_idle(busy_s, threads));
+}
 
 // How an algorithm file reports progress and learns that it must stop, without knowing the library.
 // Returns false when the run was cancelled.

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <exception>
@@ -17,7 +18,7 @@ namespace conceg {
 
 class Team {
 public:
-  explicit Team(unsigned size) : size_(size > 0 ? size : 1), errors_(size_) {
+  explicit Team(unsigned size) : size_(size > 0 ? size : 1), errors_(size_), busy_s_(size_, 0.0) {
     for (unsigned worker = 1; worker < size_; worker++)
       threads_.emplace_back([this, worker] { serve(worker); });
   }
@@ -29,6 +30,13 @@ public:
   Team(const Team &) = delete;
   Team &operator=(const Team &) = delete;
   unsigned size() const { return size_; }
+  // Wall time that the workers have spent in shares, summed; to be asked between shares.
+  double busy_s() const {
+    double sum = 0.0;
+    for (const double seconds : busy_s_)
+      sum += seconds;
+    return sum;
+  }
 
   // body(index, worker) for every index below count; worker w does w, w + size, w + 2 size, ...: every worker
   // does its share whatever the machine is doing.
@@ -46,7 +54,12 @@ public:
 
   // share(worker) once by every worker; returns when all are done. The first worker's exception is thrown.
   template <class Share> void all(const Share &share) {
-    if (size_ == 1) return share(0u);
+    if (size_ == 1) {
+      job_ = std::ref(share);
+      run(0);
+      if (const std::exception_ptr error = std::exchange(errors_[0], nullptr)) std::rethrow_exception(error);
+      return;
+    }
     start([&share](unsigned worker) { share(worker); }, false);
     run(0);
     await([this] { return busy_.load(std::memory_order_acquire) == 0; }, finished_);
@@ -66,11 +79,13 @@ private:
     started_.notify_all();
   }
   void run(unsigned worker) {
+    const auto began = std::chrono::steady_clock::now();
     try {
       job_(worker);
     } catch (...) {
       errors_[worker] = std::current_exception();
     }
+    busy_s_[worker] += std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   }
   void serve(unsigned worker) {
     std::uint64_t seen = 0;
@@ -103,6 +118,7 @@ private:
   unsigned size_;
   std::vector<std::thread> threads_;
   std::vector<std::exception_ptr> errors_;
+  std::vector<double> busy_s_;
   std::function<void(unsigned)> job_;
   std::mutex mutex_;
   std::condition_variable started_, finished_;

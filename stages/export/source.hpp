@@ -28,6 +28,7 @@ class Source {
 public:
   explicit Source(conceg_doc *doc);
   const conceg_box &box() const { return box_; }
+  const conceg_substrate *substrate() const { return substrate_.get(); }
   std::uint64_t seed() const { return seed_; }
   bool has_skeleton() const { return has_skeleton_; }
   bool has_meshes() const { return !surfaces_of_.empty(); }

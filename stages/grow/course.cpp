@@ -10,9 +10,12 @@ namespace conceg::grow {
 
 namespace {
 
-constexpr double natural = 0.92;     // straightness in an open network without any steering
-constexpr double smoothest = 0.02;   // what full smoothing adds to it
-constexpr double straightest = 0.12; // with f down to its last tenth, in crowded tissue
+constexpr double natural = 0.92;       // straightness in an open network without any steering
+constexpr double open_share = 0.35;    // of the box: what cells may fill without being in each other's way
+constexpr double crowding_takes = 0.3; // off the straightness, per share filled beyond that
+constexpr double crowding_grows = 0.4; // by so much more from the first branch to the last
+constexpr double smoothest = 0.02;     // what full smoothing adds to it
+constexpr double straightest = 0.12;   // with f down to its last tenth, in crowded tissue
 constexpr double most_given_up = 0.9;
 constexpr double most_wander = 0.5; // farther down, tips walk at random
 // Squared weight of the wander that takes `less` off the straightness: less (1 + growth less) / gain,
@@ -47,6 +50,20 @@ void expect_branches(const State &state, std::uint32_t bar, Straightness &sum) {
     const double length = cut[i] - cut[i - 1];
     if (length >= shortest_branch_um) sum.bend += bend_of_length(length), sum.branches++;
   }
+}
+
+// Share of the box that the cells will fill at their target radii, beyond what leaves them alone.
+double crowding(const Input &input) {
+  const double pi = 3.14159265358979323846;
+  double volume = 0.0, box = 1.0;
+  for (int axis = 0; axis < 3; axis++)
+    box *= conceg_box_side(&input.box, axis);
+  for (std::size_t cell = 0; cell < input.cells.count; cell++)
+    volume += 4.0 / 3.0 * pi * std::pow(input.cells.radius[cell], 3);
+  for (std::size_t bar = 0; bar < input.bars.count; bar++)
+    volume += pi * input.bars.radius[bar] * input.bars.radius[bar] *
+              (input.bars.asked_end[bar] - input.bars.asked_start[bar]);
+  return std::max(0.0, volume / box - open_share);
 }
 
 double limited(double course) {
@@ -135,6 +152,7 @@ Steering::Steering(State &state) : state_(state) {
   if (types == 0) return;
   of_bar_.resize(state.projections.size()), of_type_.resize(types);
   expected_.resize(types);
+  crowding_ = crowding(state.input);
   for (std::uint32_t bar = 0; bar < state.projections.size(); bar++)
     expect_branches(state, bar, expected_[type_of_bar(state, bar)]);
   state.course.assign(types, 0.0);
@@ -162,9 +180,12 @@ void Steering::steer() {
     // Short branches close first, and are straighter: each is held to what its length should show. The
     // deficit is summed, so that the mean of all branches, not of the last, comes to what is asked.
     const double bends = (1.0 - asked) * closed.bend / (all.bend / static_cast<double>(all.branches));
-    const double deficit = static_cast<double>(closed.branches) - bends - closed.sum;
-    const double over = std::max(least_branches, patience * static_cast<double>(all.branches));
-    state_.course[type] = limited(asked - natural + deficit / over);
+    const double done = static_cast<double>(closed.branches), number = static_cast<double>(all.branches);
+    // Where it will be crowded the first branches must be straighter than the last can be.
+    const double ahead = 0.5 * crowding_grows * crowding_ * done * std::max(0.0, 1.0 - done / number);
+    const double deficit = done - bends - closed.sum + ahead;
+    const double over = std::max(least_branches, patience * number);
+    state_.course[type] = limited(asked - natural + crowding_takes * crowding_ + deficit / over);
   }
 }
 

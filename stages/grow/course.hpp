@@ -49,6 +49,7 @@ public:
 
 private:
   State &state_;
+  double crowding_ = 0.0;
   std::vector<Straightness> of_bar_, of_type_;
   std::vector<Straightness> expected_; // of each type: how many branches its bars have, and how they bend
   std::vector<std::uint32_t> touched_;

@@ -15,6 +15,12 @@ bool stays(const Projection &projection, const Edit &edit, std::size_t index) {
   return place < edit.tail.size() && edit.tail[place].segment == projection.chain[index].segment;
 }
 
+// A vertex may stand beside its node.
+void write_node(const Space &space, std::uint32_t node, Edit &edit) {
+  const glm::dvec3 &place = space.site(node).place;
+  edit.writes.push_back({place, place});
+}
+
 // Regions of what an edit takes away, adds and settles.
 void find_writes(const State &state, Edit &edit) {
   const Projection &projection = state.projections[edit.bar];
@@ -24,6 +30,7 @@ void find_writes(const State &state, Edit &edit) {
     const Segment &segment = space.segments[projection.chain[i].segment];
     // Growing back reads the capsules around every node that the piece could have touched.
     edit.writes.push_back(region_of(segment, segment.in_field ? 2.0 * space.reach : 0.0));
+    write_node(space, projection.chain[i].node, edit);
   }
   std::vector<Vertex> line;
   if (edit.keep > 0) line.push_back(projection.chain[edit.keep - 1]);
@@ -32,8 +39,19 @@ void find_writes(const State &state, Edit &edit) {
   for (std::size_t i = 1; i < line.size(); i++) {
     const std::uint32_t index = base + static_cast<std::uint32_t>(i);
     const bool settles = index < edit.settled && index >= projection.settled;
+    if (line[i].segment == none) write_node(space, line[i].node, edit);
     if (line[i].segment == none || settles)
       edit.writes.push_back(region_of(segment_at(state, edit.bar, line, i), settles ? space.reach : 0.0));
+  }
+}
+
+// Nodes of what an edit takes away.
+void release_nodes(State &state, const Edit &edit) {
+  const Projection &projection = state.projections[edit.bar];
+  for (std::size_t i = std::max<std::size_t>(1, edit.keep); i < projection.chain.size(); i++) {
+    if (stays(projection, edit, i)) continue;
+    std::uint32_t &user = state.space.site(projection.chain[i].node).user;
+    if (user == projection.cell) user = none;
   }
 }
 
@@ -66,6 +84,16 @@ void edit_cut(const State &state, std::uint32_t keep, Edit &edit) {
   find_writes(state, edit);
 }
 
+void list_cells(const Grid &grid, Edit &edit) {
+  edit.write_cells.clear(), edit.read_cells.clear();
+  const auto list = [&](const std::vector<Region> &regions, std::vector<std::uint32_t> &cells) {
+    for (const Region &region : regions)
+      for_grid_cells(grid, region,
+                     [&](std::size_t cell) { cells.push_back(static_cast<std::uint32_t>(cell)); });
+  };
+  list(edit.writes, edit.write_cells), list(edit.reads, edit.read_cells);
+}
+
 void number_segments(Space &space, Edit &edit) {
   for (std::size_t i = 0; i < edit.tail.size(); i++) {
     if (edit.tail[i].segment != none || edit.keep + i == 0) continue;
@@ -82,6 +110,9 @@ void number_segments(Space &space, Edit &edit) {
 void commit(State &state, Edit &edit) {
   Projection &projection = state.projections[edit.bar];
   Space &space = state.space;
+  edit.tip_before = projection.chain.empty() ? 0.0 : projection.chain.back().path;
+  edit.settled_before = projection.settled;
+  release_nodes(state, edit);
   if (edit.arrived) projection.attractor = edit.attractor;
   if (edit.kind == Edit::Kind::start) draw_wander(state, edit.bar);
   std::vector<Segment> removed;
@@ -93,38 +124,25 @@ void commit(State &state, Edit &edit) {
     edit.freed.push_back(id);
   }
   if (!removed.empty()) restore_field(state.input, space, removed);
-  const std::uint32_t settled_before = projection.settled;
   projection.chain.resize(edit.keep);
   std::size_t next = 0;
   for (const Vertex &vertex : edit.tail) {
     projection.chain.push_back(vertex);
     const std::size_t index = projection.chain.size() - 1;
     if (vertex.segment != none || index == 0) continue;
+    space.site(vertex.node).user = projection.cell;
     const std::uint32_t id = edit.fresh[next++];
     projection.chain.back().segment = id;
     space.segments[id] = segment_at(state, edit.bar, projection.chain, index);
     insert_capsule(space, id);
   }
   projection.settled = edit.settled;
-  for (std::uint32_t i = std::max(1u, std::min(settled_before, edit.keep)); i < projection.settled; i++) {
+  for (std::uint32_t i = std::max(1u, std::min(edit.settled_before, edit.keep)); i < projection.settled;
+       i++) {
     const std::uint32_t id = projection.chain[i].segment;
     space.segments[id].in_field = 1;
     lower_field(state.input, space, id);
   }
-}
-
-void unmark_tail(State &state, const Edit &edit) {
-  const Projection &projection = state.projections[edit.bar];
-  for (std::size_t i = std::max<std::size_t>(1, edit.keep); i < projection.chain.size(); i++) {
-    std::uint32_t &mark = state.space.mark[projection.chain[i].node];
-    if (mark == projection.cell) mark = none;
-  }
-}
-
-void mark_tail(State &state, const Edit &edit) {
-  const Projection &projection = state.projections[edit.bar];
-  for (std::size_t i = std::max<std::size_t>(1, edit.keep); i < projection.chain.size(); i++)
-    state.space.mark[projection.chain[i].node] = projection.cell;
 }
 
 void return_segments(Space &space, Edit &edit) {

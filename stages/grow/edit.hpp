@@ -19,6 +19,9 @@ struct Edit {
   float angle_error = -1.0f;         // start only
   std::vector<std::uint32_t> banned; // nodes not to be tried again
   std::vector<Region> writes, reads; // where the state is changed, and where it was looked at
+  std::vector<std::uint32_t> write_cells, read_cells; // the grid cells of these regions, with repetitions
+  double tip_before = 0.0; // path of the tip, and settled vertices, before the commit
+  std::uint32_t settled_before = 0;
   std::vector<std::uint32_t> fresh,
       freed; // segment numbers given before, and to be returned after the commit
   void clear(std::uint32_t new_bar);
@@ -33,13 +36,14 @@ void edit_from_line(const State &state, const std::vector<Vertex> &line, std::ui
 // Keeps only the first `keep` vertices.
 void edit_cut(const State &state, std::uint32_t keep, Edit &edit);
 
+// Lists the grid cells of the regions.
+void list_cells(const Grid &grid, Edit &edit);
+
 // Serial: gives numbers to the edit's new segments.
 void number_segments(Space &space, Edit &edit);
-// May run beside commits whose regions are apart: capsules, field and the chain itself.
+// May run beside commits whose regions are apart: capsules, field, users of nodes and the chain itself.
 void commit(State &state, Edit &edit);
-// Serial: marks of nodes before and after the commit, numbers that became free.
-void unmark_tail(State &state, const Edit &edit);
-void mark_tail(State &state, const Edit &edit);
+// Serial: numbers that became free.
 void return_segments(Space &space, Edit &edit);
 
 } // namespace conceg::grow

@@ -8,17 +8,17 @@
 #include "edit.hpp"
 #include "occupancy.hpp"
 #include "roots.hpp"
+#include "schedule.hpp"
 #include "step.hpp"
 #include "team.hpp"
+
+#include <glm/geometric.hpp>
 
 #include <algorithm>
 
 namespace conceg::grow {
 
 namespace {
-
-constexpr std::size_t least_tips = 16; // a round offers at least so many steps while there are as many tips
-constexpr double least_room_um3 = 1000.0; // box per step of a round: nearer ones would mostly be put off
 
 double volume_of(const Segment &segment) {
   const double pi = 3.14159265358979323846, r = segment.radius;
@@ -27,35 +27,35 @@ double volume_of(const Segment &segment) {
 
 class Growth {
 public:
-  Growth(State &state, unsigned threads, const Watch &watch)
-      : state_(state), watch_(watch), team_(threads), steering_(state) {
+  Growth(State &state, unsigned threads, Phases &phases, const Watch &watch)
+      : state_(state), phases_(phases), watch_(watch), team_(threads), schedule_(state, team_),
+        steering_(state) {
     summary_.steps_by_worker.assign(team_.size(), 0);
-    written_.assign(state.space.grid.cells(), 0);
-    read_.assign(state.space.grid.cells(), 0);
-    tips_of_.resize(state.input.cells.count);
-    next_tip_.assign(state.input.cells.count, 0);
     orphans_.resize(state.input.cells.count);
   }
 
   Summary run(const Progress &progress) {
     start_roots(true);
+    phases_.end("roots");
     bool all_started = false; // cells without a soma fill what room the others leave
     double asked = 0.0;
     for (std::size_t bar = 0; bar < state_.input.bars.count; bar++)
       asked += state_.input.bars.asked_end[bar] - state_.input.bars.asked_start[bar];
     for (;;) {
-      choose_tips();
-      if (tips_.empty() && !all_started) {
+      summary_.rounds++;
+      const std::vector<std::uint32_t> &tips = schedule_.choose(summary_.rounds);
+      if (tips.empty() && all_started) break;
+      if (tips.empty()) {
         start_roots(false);
         all_started = true;
-        choose_tips();
+        phases_.end("roots");
+        continue;
       }
-      if (tips_.empty()) break;
+      phases_.end("choose");
       if (summary_.rounds % 64 == 0)
         report(progress, "grow", static_cast<std::uint64_t>(grown_), static_cast<std::uint64_t>(asked));
       tell_tenth(asked);
-      summary_.rounds++;
-      round();
+      round(tips);
     }
     lose_the_rest();
     report(progress, "grow", static_cast<std::uint64_t>(asked), static_cast<std::uint64_t>(asked));
@@ -67,9 +67,8 @@ private:
     if (!watch_.tenth || 10.0 * grown_ < (tenths_told_ + 1) * asked) return;
     tenths_told_ = static_cast<int>(10.0 * grown_ / asked);
     Standing standing;
-    standing.cable_um = grown_, standing.asked_um = asked, standing.cells = tips_of_.size();
-    for (const auto &tips : tips_of_)
-      standing.cells_done += tips.empty();
+    standing.cable_um = grown_, standing.asked_um = asked;
+    standing.cells = state_.input.cells.count, standing.cells_done = schedule_.cells_done();
     for (const Segment &segment : state_.space.segments)
       if (segment.alive) standing.occupied_um3 += volume_of(segment);
     watch_.tenth(standing);
@@ -88,116 +87,53 @@ private:
       }
       number_segments(state_.space, edit);
       commit(state_, edit);
-      mark_tail(state_, edit);
       adopt_children(state_, bar);
-      tips_of_[state_.projections[bar].cell].push_back(bar);
+      schedule_.enter(bar);
     }
   }
 
-  // One tip of each working cell by its own rota; several when few cells work, and not all cells when so many
-  // work that they would stand in each other's way. Depends on the state only.
-  void choose_tips() {
-    tips_.clear();
-    std::size_t working = 0;
-    for (const auto &tips : tips_of_)
-      working += !tips.empty();
-    if (working == 0) return;
-    const std::size_t share = (least_tips + working - 1) / working;
-    double room = 1.0 / least_room_um3;
-    for (int axis = 0; axis < 3; axis++)
-      room *= conceg_box_side(&state_.input.box, axis);
-    const std::size_t cells = std::min(working, std::max(static_cast<std::size_t>(room), least_tips));
-    for (std::size_t chosen = 0; chosen < cells; next_cell_ = (next_cell_ + 1) % tips_of_.size()) {
-      const std::size_t cell = next_cell_;
-      const std::vector<std::uint32_t> &tips = tips_of_[cell];
-      if (tips.empty()) continue;
-      chosen++;
-      const std::size_t number = std::min(share, tips.size());
-      for (std::size_t i = 0; i < number; i++)
-        tips_.push_back(tips[(next_tip_[cell] + i) % tips.size()]);
-      next_tip_[cell] = (next_tip_[cell] + number) % tips.size();
-    }
-    if (cells == working) next_cell_ = 0;
-  }
-
-  void round() {
-    if (edits_.size() < tips_.size()) edits_.resize(tips_.size());
-    team_.loop(tips_.size(), [&](std::size_t i, unsigned) { propose(state_, tips_[i], edits_[i]); });
-    reserve();
-    if (watch_.before) watch_.before(state_, accepted_by_priority());
-    for (const std::size_t i : accepted_) {
-      unmark_tail(state_, edits_[i]);
+  void round(const std::vector<std::uint32_t> &tips) {
+    if (edits_.size() < tips.size()) edits_.resize(tips.size());
+    team_.loop(tips.size(), [&](std::size_t i, unsigned) {
+      propose(state_, tips[i], edits_[i]);
+      schedule_.plan(edits_[i]);
+    });
+    phases_.end("propose");
+    const std::vector<std::size_t> &accepted = schedule_.reserve(edits_, summary_.rounds);
+    if (watch_.before) watch_.before(state_, bars_of(accepted));
+    for (const std::size_t i : accepted)
       number_segments(state_.space, edits_[i]);
-      tip_before_.push_back(state_.projections[edits_[i].bar].chain.back().path);
-      settled_before_.push_back(state_.projections[edits_[i].bar].settled);
-    }
-    team_.loop(accepted_.size(), [&](std::size_t i, unsigned worker) {
-      commit(state_, edits_[accepted_[i]]);
+    phases_.end("reserve");
+    team_.loop(accepted.size(), [&](std::size_t i, unsigned worker) {
+      commit(state_, edits_[accepted[i]]);
       summary_.steps_by_worker[worker]++;
     });
-    for (const std::size_t i : accepted_) {
-      mark_tail(state_, edits_[i]);
+    phases_.end("commit");
+    for (const std::size_t i : accepted)
       return_segments(state_.space, edits_[i]);
-    }
     if (watch_.after) watch_.after(state_);
-    for (std::size_t i = 0; i < accepted_.size(); i++)
-      follow(edits_[accepted_[i]], tip_before_[i], settled_before_[i]);
-    tip_before_.clear(), settled_before_.clear();
+    for (const std::size_t i : accepted)
+      follow(edits_[i]);
     steering_.steer();
+    phases_.end("follow");
   }
 
-  // Deterministic reservations: in the order of a priority drawn for this round, a step is accepted when it
-  // writes nothing that an accepted one reads or writes, and reads nothing that an accepted one writes.
-  void reserve() {
-    order_.resize(tips_.size());
-    for (std::size_t i = 0; i < tips_.size(); i++) {
-      const std::uint64_t cell = state_.input.cells.id[state_.projections[tips_[i]].cell];
-      const std::uint64_t key =
-          conceg_rng_mix(state_.input.seed ^ conceg_rng_mix(summary_.rounds ^ conceg_rng_mix(cell)));
-      order_[i] = {conceg_rng_mix(key ^ tips_[i]), i};
-    }
-    std::sort(order_.begin(), order_.end());
-    accepted_.clear();
-    const auto stamp = static_cast<std::uint32_t>(summary_.rounds);
-    const Grid &grid = state_.space.grid;
-    for (const auto &[priority, i] : order_) {
-      const Edit &edit = edits_[i];
-      bool free = true;
-      for (const Region &region : edit.writes)
-        if (free)
-          for_grid_cells(grid, region,
-                         [&](std::size_t cell) { free &= written_[cell] != stamp && read_[cell] != stamp; });
-      for (const Region &region : edit.reads)
-        if (free) for_grid_cells(grid, region, [&](std::size_t cell) { free &= written_[cell] != stamp; });
-      if (!free) {
-        summary_.deferred++;
-        continue;
-      }
-      for (const Region &region : edit.writes)
-        for_grid_cells(grid, region, [&](std::size_t cell) { written_[cell] = stamp; });
-      for (const Region &region : edit.reads)
-        for_grid_cells(grid, region, [&](std::size_t cell) { read_[cell] = stamp; });
-      accepted_.push_back(i);
-    }
-    std::sort(accepted_.begin(), accepted_.end());
-  }
-
-  std::vector<std::uint32_t> accepted_by_priority() const {
+  std::vector<std::uint32_t> bars_of(const std::vector<std::size_t> &accepted) const {
     std::vector<std::uint32_t> bars;
-    for (const auto &[priority, i] : order_)
-      if (std::binary_search(accepted_.begin(), accepted_.end(), i)) bars.push_back(tips_[i]);
+    for (const std::size_t i : accepted)
+      bars.push_back(edits_[i].bar);
     return bars;
   }
 
   // What follows from a committed edit, in the order of the tips.
-  void follow(Edit &edit, double tip_before, std::uint32_t settled_before) {
+  void follow(const Edit &edit) {
     Projection &projection = state_.projections[edit.bar];
-    if (!projection.chain.empty()) grown_ += projection.chain.back().path - tip_before;
+    if (!projection.chain.empty()) grown_ += projection.chain.back().path - edit.tip_before;
     summary_.steps++;
     switch (edit.kind) {
     case Edit::Kind::collapse:
       summary_.collapses++;
-      note_collapse(projection, edit, tip_before);
+      note_collapse(projection, edit, edit.tip_before);
       // Back at its fork, a projection chooses its first edge anew.
       if (projection.chain.size() == 1) projection.phase = Phase::starting;
       return;
@@ -218,7 +154,7 @@ private:
       break;
     }
     note_progress(projection);
-    fire_forks(edit.bar, settled_before);
+    fire_forks(edit.bar, edit.settled_before);
     if (edit.finished)
       end(edit.bar, Phase::done);
     else if (edit.kind == Edit::Kind::end)
@@ -229,7 +165,7 @@ private:
     for (const std::uint32_t bar : due_bars(state_, host, settled_before)) {
       steering_.touch(host);
       if (open_fork(state_, bar))
-        tips_of_[state_.projections[bar].cell].push_back(bar);
+        schedule_.enter(bar);
       else
         end(bar, Phase::lost);
     }
@@ -237,7 +173,7 @@ private:
 
   // A postponed fork waits for the next place on its host, which is there already when that is done.
   void wait_again(std::uint32_t bar) {
-    leave_rota(bar);
+    schedule_.leave(bar);
     Projection &host = state_.projections[state_.projections[bar].host];
     host.waiting.push_back(bar);
     if (host.phase == Phase::done)
@@ -247,19 +183,8 @@ private:
     retry_orphans(state_.projections[bar].cell);
   }
 
-  void leave_rota(std::uint32_t bar) {
-    const std::uint32_t cell = state_.projections[bar].cell;
-    std::vector<std::uint32_t> &tips = tips_of_[cell];
-    const auto found = std::find(tips.begin(), tips.end(), bar);
-    if (found == tips.end()) return;
-    const auto place = static_cast<std::size_t>(found - tips.begin());
-    tips.erase(found);
-    if (next_tip_[cell] > place) next_tip_[cell]--;
-    if (next_tip_[cell] >= tips.size()) next_tip_[cell] = 0;
-  }
-
   void end(std::uint32_t bar, Phase phase) {
-    leave_rota(bar);
+    schedule_.leave(bar);
     state_.projections[bar].phase = phase;
     steering_.touch(bar);
     orphan_waiting(bar);
@@ -325,26 +250,22 @@ private:
       summary_.lost += projection.phase == Phase::lost;
       if (projection.angle_error >= 0.0f) sum += projection.angle_error, number++;
     }
+    summary_.busy_s = team_.busy_s(), summary_.deferred = schedule_.deferred();
     summary_.angle_error = number ? sum / static_cast<double>(number) : 0.0;
     return summary_;
   }
 
   State &state_;
+  Phases &phases_;
   const Watch &watch_;
   Team team_;
+  Schedule schedule_;
   Steering steering_;
   Summary summary_;
   double grown_ = 0.0;
   int tenths_told_ = 0;
-  std::vector<std::vector<std::uint32_t>> tips_of_; // by cell: bars that grow or start
-  std::vector<std::size_t> next_tip_;
-  std::size_t next_cell_ = 0; // where the next round begins
+  Grid plan_, stand_;
   std::vector<std::vector<std::uint32_t>> orphans_;
-  std::vector<std::uint32_t> tips_, written_, read_;
-  std::vector<std::pair<std::uint64_t, std::size_t>> order_;
-  std::vector<std::size_t> accepted_;
-  std::vector<double> tip_before_;
-  std::vector<std::uint32_t> settled_before_;
   std::vector<Edit> edits_;
 };
 
@@ -371,12 +292,13 @@ void make_projections(State &state) {
 
 } // namespace
 
-Summary grow(State &state, unsigned threads, const Progress &progress, const Watch &watch) {
+Summary grow(State &state, unsigned threads, const Progress &progress, Phases &phases, const Watch &watch) {
   make_projections(state);
   for (std::uint32_t bar = 0; bar < state.projections.size(); bar++)
     if (state.projections[bar].parent == none) draw_calibre(state, bar);
   make_space(state);
-  return Growth(state, threads, watch).run(progress);
+  phases.end("space");
+  return Growth(state, threads, phases, watch).run(progress);
 }
 
 } // namespace conceg::grow

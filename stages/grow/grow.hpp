@@ -5,6 +5,7 @@
 #pragma once
 
 #include "parallel.hpp"
+#include "phases.hpp"
 #include "state.hpp"
 
 #include <functional>
@@ -15,6 +16,7 @@ struct Summary {
   std::uint64_t rounds = 0, steps = 0, deferred = 0, collapses = 0;
   std::uint64_t done = 0, cut_short = 0, lost = 0, handed = 0;
   std::vector<std::uint64_t> steps_by_worker;
+  double busy_s = 0.0;      // of all workers in parallel parts
   double angle_error = 0.0; // mean of first edges against the drawn angle, rad
 };
 
@@ -34,6 +36,7 @@ struct Watch {
 };
 
 // Makes the space and grows every bar of the input. Throws Error (cancelled) when progress says stop.
-Summary grow(State &state, unsigned threads, const Progress &progress, const Watch &watch = {});
+Summary grow(State &state, unsigned threads, const Progress &progress, Phases &phases,
+             const Watch &watch = {});
 
 } // namespace conceg::grow

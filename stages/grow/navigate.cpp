@@ -40,8 +40,9 @@ void find_candidates(const State &state, const Projection &projection, const Tip
   for (std::uint64_t e = network.edge_offset[tip.node]; e < network.edge_offset[tip.node + 1]; e++) {
     Candidate candidate;
     candidate.node = network.edge[e];
-    if (state.space.mark[candidate.node] == projection.cell) continue;
-    const double allowed = allowed_radius(state.space.field[candidate.node], projection.cell);
+    const Site &site = state.space.site(candidate.node);
+    if (site.user == projection.cell) continue;
+    const double allowed = allowed_radius(site.field, projection.cell);
     if (allowed < parameters.r_min_um) continue;
     if (std::find(projection.banned.begin(), projection.banned.end(), candidate.node) !=
         projection.banned.end())

@@ -54,12 +54,27 @@ void insert_owner(NodeField &field, float distance, std::uint32_t owner) {
 }
 
 // Distance of a node to a segment's surface; at least `reach` where it is not less.
-float surface_distance(const Input &input, const Segment &segment, std::uint32_t node, float reach) {
+float surface_distance(const Input &input, const Segment &segment, const glm::dvec3 &place, float reach) {
   int taken[3];
-  const glm::dvec3 d = nearest_image(input.box, input.network.at(node) - segment.middle, taken);
+  const glm::dvec3 d = nearest_image(input.box, place - segment.middle, taken);
   const double far = static_cast<double>(segment.half_length) + segment.radius + reach + 1e-4;
   if (glm::dot(d, d) > far * far) return reach;
   return static_cast<float>(point_segment_distance(d, glm::dvec3(0.0), half_of(segment)) - segment.radius);
+}
+
+// Whether an entry's segment is surely farther from a place than `within`; single precision proposes.
+bool passed_over(const conceg_box &box, const Entry &entry, const glm::dvec3 &place, double within) {
+  float square = 0.0f;
+  for (int a = 0; a < 3; a++) {
+    float d = static_cast<float>(place[a]) - entry.middle[a];
+    if (box.periodic[a]) {
+      const auto side = static_cast<float>(conceg_box_side(&box, a));
+      if (std::fabs(d) >= 0.49f * side) d -= side * __builtin_floorf(d / side + 0.5f);
+    }
+    square += d * d;
+  }
+  const float far = entry.bound + static_cast<float>(within);
+  return square > far * far;
 }
 
 NodeField empty_field(const Space &space, std::uint32_t node) {
@@ -71,32 +86,25 @@ NodeField empty_field(const Space &space, std::uint32_t node) {
   return field;
 }
 
-void make_grid(Space &space, const conceg_box &box) {
-  for (int a = 0; a < 3; a++) {
-    const double side = conceg_box_side(&box, a);
-    space.grid.count[a] = std::max(1, static_cast<int>(side / grid_step_um));
-    space.grid.lo[a] = box.lo[a];
-    space.grid.step[a] = side / space.grid.count[a];
-    space.grid.periodic[a] = box.periodic[a] != 0;
-  }
-}
-
 void bucket_nodes(Space &space, const Network &network) {
   std::vector<std::uint32_t> cell_of(network.nodes);
-  space.node_offset.assign(space.grid.cells() + 1, 0);
+  space.site_offset.assign(space.grid.cells() + 1, 0);
   for (std::uint32_t node = 0; node < network.nodes; node++) {
     std::uint32_t cell = 0;
     for_grid_cells(space.grid, region_around(network.at(node), 0.0),
                    [&](std::size_t c) { cell = static_cast<std::uint32_t>(c); });
     cell_of[node] = cell;
-    space.node_offset[cell + 1]++;
+    space.site_offset[cell + 1]++;
   }
   for (std::size_t cell = 0; cell < space.grid.cells(); cell++)
-    space.node_offset[cell + 1] += space.node_offset[cell];
-  space.node_list.resize(network.nodes);
-  std::vector<std::uint64_t> next(space.node_offset.begin(), space.node_offset.end() - 1);
-  for (std::uint32_t node = 0; node < network.nodes; node++)
-    space.node_list[next[cell_of[node]]++] = node;
+    space.site_offset[cell + 1] += space.site_offset[cell];
+  space.sites.resize(network.nodes), space.site_of.resize(network.nodes);
+  std::vector<std::uint64_t> next(space.site_offset.begin(), space.site_offset.end() - 1);
+  for (std::uint32_t node = 0; node < network.nodes; node++) {
+    const std::uint64_t place = next[cell_of[node]]++;
+    space.site_of[node] = static_cast<std::uint32_t>(place);
+    space.sites[place] = {network.at(node), empty_field(space, node), node, none};
+  }
 }
 
 void place_somas(State &state) {
@@ -123,13 +131,13 @@ void find_obstacles(State &state) {
   const float reach = static_cast<float>(space.reach), tolerance = 1e-3f;
   for (std::uint32_t node = 0; node < network.nodes; node++) {
     const float radius = network.radius[node];
-    if (radius >= std::min(cap, reach) || radius >= space.field[node].distance1 - tolerance) continue;
+    if (radius >= std::min(cap, reach) || radius >= space.site(node).field.distance1 - tolerance) continue;
     if (space.obstacle.empty()) space.obstacle.assign(network.nodes, reach);
     space.obstacle[node] = radius;
   }
   if (space.obstacle.empty()) return;
   for (std::uint32_t node = 0; node < network.nodes; node++)
-    space.field[node] = fresh_field(state.input, space, node);
+    space.site(node).field = fresh_field(state.input, space, node);
 }
 
 // Room left around a segment beside its own soma, which it may leave but not enter again.
@@ -138,6 +146,18 @@ bool clear_of_own_soma(double distance, double path, double need) {
 }
 
 } // namespace
+
+Grid make_grid(const conceg_box &box, double step_um) {
+  Grid grid;
+  for (int a = 0; a < 3; a++) {
+    const double side = conceg_box_side(&box, a);
+    grid.count[a] = std::max(1, static_cast<int>(side / step_um));
+    grid.lo[a] = box.lo[a];
+    grid.step[a] = side / grid.count[a];
+    grid.periodic[a] = box.periodic[a] != 0;
+  }
+  return grid;
+}
 
 Segment make_segment(const conceg_box &box, const glm::dvec3 &a, const glm::dvec3 &b, double radius,
                      std::uint32_t cell, std::uint32_t bar, double path_middle) {
@@ -162,14 +182,23 @@ Region region_of(const Segment &segment, double margin) {
 }
 
 void insert_capsule(Space &space, std::uint32_t id) {
-  for_grid_cells(space.grid, region_of(space.segments[id], 0.0),
-                 [&](std::size_t cell) { space.segment_list[cell].push_back(id); });
+  const Segment &segment = space.segments[id];
+  const Region region = region_of(segment, 0.0);
+  Entry entry{{}, segment.half_length + segment.radius + 1e-4f, id, {}};
+  for (int a = 0; a < 3; a++) {
+    entry.middle[a] = static_cast<float>(segment.middle[a]);
+    entry.first[a] = grid_range(space.grid, region, a).first;
+    const double side = space.grid.step[a] * space.grid.count[a];
+    entry.bound += 2.5e-7f * static_cast<float>(std::fabs(space.grid.lo[a]) + side);
+  }
+  for_grid_cells(space.grid, region, [&](std::size_t cell) { space.segment_list[cell].push_back(entry); });
 }
 
 void remove_capsule(Space &space, std::uint32_t id) {
   for_grid_cells(space.grid, region_of(space.segments[id], 0.0), [&](std::size_t cell) {
-    std::vector<std::uint32_t> &list = space.segment_list[cell];
-    const auto found = std::find(list.begin(), list.end(), id);
+    std::vector<Entry> &list = space.segment_list[cell];
+    const auto found =
+        std::find_if(list.begin(), list.end(), [&](const Entry &entry) { return entry.segment == id; });
     if (found == list.end()) return;
     *found = list.back();
     list.pop_back();
@@ -181,10 +210,10 @@ void lower_field(const Input &input, Space &space, std::uint32_t id) {
   const Segment &segment = space.segments[id];
   const auto reach = static_cast<float>(space.reach);
   for_grid_cells(space.grid, region_of(segment, space.reach), [&](std::size_t cell) {
-    for (std::uint64_t i = space.node_offset[cell]; i < space.node_offset[cell + 1]; i++) {
-      const std::uint32_t node = space.node_list[i];
-      const float distance = surface_distance(input, segment, node, reach);
-      if (distance < reach) insert_owner(space.field[node], distance, segment.cell);
+    for (std::uint64_t i = space.site_offset[cell]; i < space.site_offset[cell + 1]; i++) {
+      Site &site = space.sites[i];
+      const float distance = surface_distance(input, segment, site.place, reach);
+      if (distance < reach) insert_owner(site.field, distance, segment.cell);
     }
   });
 }
@@ -192,11 +221,13 @@ void lower_field(const Input &input, Space &space, std::uint32_t id) {
 NodeField fresh_field(const Input &input, const Space &space, std::uint32_t node) {
   NodeField field = empty_field(space, node);
   const auto reach = static_cast<float>(space.reach);
-  for_grid_cells(space.grid, region_around(input.network.at(node), space.reach), [&](std::size_t cell) {
-    for (const std::uint32_t id : space.segment_list[cell]) {
-      const Segment &segment = space.segments[id];
+  const glm::dvec3 place = input.network.at(node);
+  for_grid_cells(space.grid, region_around(place, space.reach), [&](std::size_t cell) {
+    for (const Entry &entry : space.segment_list[cell]) {
+      if (passed_over(input.box, entry, place, space.reach)) continue;
+      const Segment &segment = space.segments[entry.segment];
       if (!segment.in_field) continue;
-      const float distance = surface_distance(input, segment, node, reach);
+      const float distance = surface_distance(input, segment, place, reach);
       if (distance < reach) insert_owner(field, distance, segment.cell);
     }
   });
@@ -207,15 +238,14 @@ void restore_field(const Input &input, Space &space, const std::vector<Segment> 
   const auto reach = static_cast<float>(space.reach);
   for (const Segment &segment : removed) {
     for_grid_cells(space.grid, region_of(segment, space.reach), [&](std::size_t cell) {
-      for (std::uint64_t i = space.node_offset[cell]; i < space.node_offset[cell + 1]; i++) {
-        const std::uint32_t node = space.node_list[i];
-        NodeField &field = space.field[node];
+      for (std::uint64_t i = space.site_offset[cell]; i < space.site_offset[cell + 1]; i++) {
+        NodeField &field = space.sites[i].field;
         if (field.owner1 != segment.cell && field.owner2 != segment.cell) continue;
-        const float distance = surface_distance(input, segment, node, reach);
+        const float distance = surface_distance(input, segment, space.sites[i].place, reach);
         if (distance >= reach) continue;
         // A min field cannot be decremented: only where the removed piece was the minimum it is made anew.
         const float held = field.owner1 == segment.cell ? field.distance1 : field.distance2;
-        if (distance <= held) field = fresh_field(input, space, node);
+        if (distance <= held) field = fresh_field(input, space, space.sites[i].node);
       }
     });
   }
@@ -277,10 +307,15 @@ double clearance(const State &state, const Segment &segment, double want, double
     room = distance - contact_margin_um;
     if (room < need) blocked = true;
   };
-  for_grid_cells(space.grid, region, [&](std::size_t cell) {
+  for_grid_places(space.grid, region, [&](std::size_t cell, const int place[3], const bool edge[3]) {
     if (blocked) return;
-    for (const std::uint32_t id : space.segment_list[cell]) {
-      meet(space.segments[id]);
+    for (const Entry &entry : space.segment_list[cell]) {
+      // Once: in the first grid cell that both regions touch.
+      if (!(edge[0] || place[0] == entry.first[0]) || !(edge[1] || place[1] == entry.first[1]) ||
+          !(edge[2] || place[2] == entry.first[2]))
+        continue;
+      if (passed_over(state.input.box, entry, segment.middle, segment.half_length + room)) continue;
+      meet(space.segments[entry.segment]);
       if (blocked) return;
     }
   });
@@ -299,13 +334,9 @@ void make_space(State &state) {
   // With nodes alone deciding, the field must know every radius that a process can have.
   space.reach =
       state.parameters.occupancy == Occupancy::nodes ? largest : std::min(largest, largest_reach_um);
-  make_grid(space, state.input.box);
+  space.grid = make_grid(state.input.box, grid_step_um);
   space.segment_list.assign(space.grid.cells(), {});
   bucket_nodes(space, state.input.network);
-  space.mark.assign(state.input.network.nodes, none);
-  space.field.resize(state.input.network.nodes);
-  for (std::uint32_t node = 0; node < state.input.network.nodes; node++)
-    space.field[node] = empty_field(space, node);
   place_somas(state);
   find_obstacles(state);
 }

@@ -9,27 +9,51 @@ namespace conceg::grow {
 // Grid, buckets of nodes, somas and other obstacles.
 void make_space(State &state);
 
-// Calls visit(cell index) for each grid cell that a region touches, each once.
-template <class Visit> void for_grid_cells(const Grid &grid, const Region &region, Visit &&visit) {
-  int first[3], number[3];
-  for (int a = 0; a < 3; a++) {
-    int lo = static_cast<int>(__builtin_floor((region.lo[a] - grid.lo[a]) / grid.step[a]));
-    int hi = static_cast<int>(__builtin_floor((region.hi[a] - grid.lo[a]) / grid.step[a]));
-    const int n = grid.count[a];
-    if (grid.periodic[a]) {
-      number[a] = hi - lo + 1 < n ? hi - lo + 1 : n;
-      first[a] = lo % n;
-      if (first[a] < 0) first[a] += n;
-    } else {
-      lo = lo < 0 ? 0 : lo >= n ? n - 1 : lo;
-      hi = hi < 0 ? 0 : hi >= n ? n - 1 : hi;
-      first[a] = lo, number[a] = hi - lo + 1;
+// A grid over the box with cells of `step_um` or a little more.
+Grid make_grid(const conceg_box &box, double step_um);
+
+// Grid cells that a region touches along one axis.
+struct GridRange {
+  int first, number;
+};
+inline GridRange grid_range(const Grid &grid, const Region &region, int axis) {
+  int lo = static_cast<int>(__builtin_floor((region.lo[axis] - grid.lo[axis]) / grid.step[axis]));
+  int hi = static_cast<int>(__builtin_floor((region.hi[axis] - grid.lo[axis]) / grid.step[axis]));
+  const int n = grid.count[axis];
+  if (grid.periodic[axis]) {
+    const int first = lo % n;
+    return {first < 0 ? first + n : first, hi - lo + 1 < n ? hi - lo + 1 : n};
+  }
+  lo = lo < 0 ? 0 : lo >= n ? n - 1 : lo;
+  hi = hi < 0 ? 0 : hi >= n ? n - 1 : hi;
+  return {lo, hi - lo + 1};
+}
+
+// Calls visit(cell index, its place on each axis, whether it is the region's first there) for each grid cell
+// that a region touches, each once.
+template <class Visit> void for_grid_places(const Grid &grid, const Region &region, Visit &&visit) {
+  const GridRange range[3] = {grid_range(grid, region, 0), grid_range(grid, region, 1),
+                              grid_range(grid, region, 2)};
+  int place[3];
+  bool edge[3];
+  const auto next = [&](int axis) { return place[axis] + 1 == grid.count[axis] ? 0 : place[axis] + 1; };
+  place[0] = range[0].first;
+  for (int i = 0; i < range[0].number; i++, place[0] = next(0)) {
+    edge[0] = i == 0, place[1] = range[1].first;
+    for (int j = 0; j < range[1].number; j++, place[1] = next(1)) {
+      edge[1] = j == 0, place[2] = range[2].first;
+      const std::size_t row = (static_cast<std::size_t>(place[0]) * grid.count[1] + place[1]) * grid.count[2];
+      for (int k = 0; k < range[2].number; k++, place[2] = next(2)) {
+        edge[2] = k == 0;
+        visit(row + place[2], place, edge);
+      }
     }
   }
-  for (int i = 0, x = first[0]; i < number[0]; i++, x = x + 1 == grid.count[0] ? 0 : x + 1)
-    for (int j = 0, y = first[1]; j < number[1]; j++, y = y + 1 == grid.count[1] ? 0 : y + 1)
-      for (int k = 0, z = first[2]; k < number[2]; k++, z = z + 1 == grid.count[2] ? 0 : z + 1)
-        visit((static_cast<std::size_t>(x) * grid.count[1] + y) * grid.count[2] + z);
+}
+
+// Calls visit(cell index) for each grid cell that a region touches, each once.
+template <class Visit> void for_grid_cells(const Grid &grid, const Region &region, Visit &&visit) {
+  for_grid_places(grid, region, [&](std::size_t cell, const int *, const bool *) { visit(cell); });
 }
 
 // The segment from a to b (unwrapped) of one bar, moved into the box.

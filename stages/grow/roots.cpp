@@ -28,20 +28,20 @@ std::vector<Candidate> free_nodes(const State &state, const Projection &projecti
   const double soma_radius = state.input.cells.radius[projection.cell];
   const double least = soma_radius > 0.0 ? soma_radius + least_stub_um : 0.0;
   for_grid_cells(state.space.grid, {aim - within, aim + within}, [&](std::size_t cell) {
-    for (std::uint64_t i = state.space.node_offset[cell]; i < state.space.node_offset[cell + 1]; i++) {
+    for (std::uint64_t i = state.space.site_offset[cell]; i < state.space.site_offset[cell + 1]; i++) {
+      const Site &site = state.space.sites[i];
       Candidate candidate;
-      candidate.node = state.space.node_list[i];
-      const glm::dvec3 node = state.input.network.at(candidate.node);
+      candidate.node = site.node;
       for (int a = 0; a < 3; a++) {
-        const double d = node[a] - aim[a];
+        const double d = site.place[a] - aim[a];
         const double lift = box.periodic[a] ? -__builtin_floor(d / conceg_box_side(&box, a) + 0.5) : 0.0;
         candidate.lift[a] = static_cast<std::int16_t>(lift);
       }
       candidate.position = node_place(state.input, candidate.node, candidate.lift);
       candidate.cost = glm::distance(candidate.position, aim);
       if (candidate.cost > within || glm::distance(candidate.position, soma) < least) continue;
-      if (state.space.mark[candidate.node] == projection.cell) continue;
-      const double allowed = allowed_radius(state.space.field[candidate.node], projection.cell);
+      if (site.user == projection.cell) continue;
+      const double allowed = allowed_radius(site.field, projection.cell);
       if (allowed < state.parameters.r_min_um) continue;
       candidate.allowed =
           allowed >= state.space.reach ? std::numeric_limits<float>::infinity() : static_cast<float>(allowed);
@@ -70,8 +70,7 @@ bool propose_free_root(const State &state, std::uint32_t bar, Edit &edit) {
     for (const Candidate &start : free_nodes(state, projection, place, within)) {
       const Tip tip{start.position, start.node, {start.lift[0], start.lift[1], start.lift[2]}};
       std::vector<Candidate> candidates;
-      find_candidates(state, projection, tip, law_radius(state, bar, 0.0), projection.attractor,
-                      candidates);
+      find_candidates(state, projection, tip, law_radius(state, bar, 0.0), projection.attractor, candidates);
       for (const Candidate &candidate : candidates) {
         Vertex first = vertex_at(start), second = vertex_at(candidate);
         second.path = glm::distance(first.position, second.position);

@@ -161,22 +161,25 @@ Watch tell_tenths(conceg_ctx *ctx, const State &state) {
 
 conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   return guard(ctx, "grow", [&] {
+    Phases phases;
     State state;
     state.parameters = read_parameters(params);
     state.input = read_input(doc, conceg_ctx_seed(ctx));
     check_spacing(state.input, state.parameters.max_edge_um);
     read_entries(doc, std::strcmp(conceg_params_text(params, "straightness"), "dictionary") == 0,
                  std::strcmp(conceg_params_text(params, "calibre"), "process") == 0, state.input);
-    const auto before = std::chrono::steady_clock::now();
+    phases.end("input");
     const Summary summary =
-        conceg::grow::grow(state, conceg_ctx_threads(ctx), progress_of(ctx), tell_tenths(ctx, state));
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+        conceg::grow::grow(state, conceg_ctx_threads(ctx), progress_of(ctx), phases, tell_tenths(ctx, state));
+    const double seconds = phases.wall_s();
     const Skeleton skeleton = deliver_skeleton(state);
     const BarReport report = deliver_bars(state);
     tell(ctx, state, summary, measure(state, skeleton), seconds);
     tell_free_cable(ctx, state, measure_free_cable(state, report));
     write_bars(doc, report);
     write_skeleton(doc, skeleton);
+    phases.end("deliver");
+    tell_phases(ctx, "grow", phases, summary.busy_s, conceg_ctx_threads(ctx));
   });
 }
 

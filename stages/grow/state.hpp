@@ -104,7 +104,23 @@ struct NodeField {
   std::uint32_t owner1, owner2;
 };
 
-// A uniform grid of about 1 um cells over the box, periodic where the box is.
+// What growth asks of a node; by grid cell, so that what is near in space is near in memory.
+struct Site {
+  glm::dvec3 place{0.0}; // of the network
+  NodeField field;
+  std::uint32_t node = none;
+  std::uint32_t user = none; // the cell whose path uses it
+};
+
+// A segment as a grid cell lists it: enough to pass over it unread.
+struct Entry {
+  float middle[3];
+  float bound; // half length, radius, and what single precision may hide
+  std::uint32_t segment;
+  int first[3]; // grid cell where the segment's region begins
+};
+
+// A uniform grid over the box, periodic where the box is.
 struct Grid {
   int count[3] = {1, 1, 1};
   glm::dvec3 lo{0.0}, step{1.0};
@@ -120,15 +136,16 @@ struct Region {
 struct Space {
   Grid grid;
   double reach = 1.0;                     // the field knows surfaces up to here
-  std::vector<std::uint64_t> node_offset; // nodes by grid cell
-  std::vector<std::uint32_t> node_list;
-  std::vector<NodeField> field;
+  std::vector<std::uint64_t> site_offset; // sites by grid cell
+  std::vector<Site> sites;
+  std::vector<std::uint32_t> site_of; // by node
   std::vector<float>
       obstacle; // per node: distance to what no cell owns (reach = nothing); empty when there is none
-  std::vector<std::uint32_t> mark; // per node: the cell whose path uses it
   std::vector<Segment> segments;
   std::vector<std::uint32_t> free_segments;
-  std::vector<std::vector<std::uint32_t>> segment_list; // by grid cell
+  std::vector<std::vector<Entry>> segment_list; // by grid cell
+  const Site &site(std::uint32_t node) const { return sites[site_of[node]]; }
+  Site &site(std::uint32_t node) { return sites[site_of[node]]; }
 };
 
 // ---- Projections ----

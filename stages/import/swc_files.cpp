@@ -3,19 +3,11 @@
 
 #include <algorithm>
 #include <cstring>
-#include <filesystem>
 
 namespace conceg::importing {
 namespace {
 
 constexpr std::uint32_t most_logged = 10;
-
-bool is_swc(const std::filesystem::path &path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending == ".swc" && path.filename().string()[0] != '.';
-}
 
 // Warnings of the reader; what strict mode would refuse is said aloud, matters of style with -v.
 void log_problems(conceg_ctx *ctx, SwcFile &file) {
@@ -39,26 +31,6 @@ void log_problems(conceg_ctx *ctx, SwcFile &file) {
 }
 
 } // namespace
-
-std::vector<std::string> find_files(const std::vector<std::string> &names) {
-  std::vector<std::string> files;
-  for (const std::string &name : names) {
-    std::error_code error;
-    if (!std::filesystem::is_directory(name, error)) {
-      files.push_back(name);
-      continue;
-    }
-    std::vector<std::string> found;
-    std::filesystem::recursive_directory_iterator entry(name, error), end;
-    for (; !error && entry != end; entry.increment(error))
-      if (entry->is_regular_file() && is_swc(entry->path())) found.push_back(entry->path().string());
-    if (error) fail(CONCEG_E_IO, "%s: cannot be listed: %s", name.c_str(), error.message().c_str());
-    if (found.empty()) fail(CONCEG_E_MISSING, "%s: expected files that end in .swc, got none", name.c_str());
-    std::sort(found.begin(), found.end());
-    files.insert(files.end(), found.begin(), found.end());
-  }
-  return files;
-}
 
 std::vector<SwcFile> read_files(conceg_ctx *ctx, const std::vector<std::string> &paths, std::uint32_t flags) {
   std::vector<SwcFile> files;

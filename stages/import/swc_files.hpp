@@ -2,10 +2,9 @@
 // The SWC files of a document: which ones, read, with their blocks.
 #pragma once
 
-#include "guard.hpp"
+#include "scene.hpp"
 #include "swc_document.hpp"
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,9 +27,6 @@ inline constexpr const char *known_groups[] = {"recipe",     "domain",   "proven
                                                "dictionary", "cells",    "bars",       "skeleton",
                                                "spheres",    "protocol", "signals",    "statistics"};
 
-// All *.swc below the folders named, and the files named; by name. E_MISSING when there is none.
-std::vector<std::string> find_files(const std::vector<std::string> &names);
-
 // Reads them; warnings go to the log, at most ten a file. E_FORMAT names the file and the line.
 std::vector<SwcFile> read_files(conceg_ctx *ctx, const std::vector<std::string> &paths, std::uint32_t flags);
 
@@ -38,12 +34,7 @@ std::vector<SwcFile> read_files(conceg_ctx *ctx, const std::vector<std::string> 
 // them is left out. All files must have blocks of one document. Returns whether nothing was edited.
 bool restore_document(conceg_ctx *ctx, conceg_doc *doc, std::vector<SwcFile> &files);
 
-struct ForeignOptions {
-  std::string cell_class; // empty: by the file
-  double margin_um = 0.0, radius_min_um = 0.0;
-};
-// A new document of plain SWC files: a box around them, a type per class, cells and skeletons.
-void make_document(conceg_ctx *ctx, conceg_doc *doc, const std::vector<SwcFile> &files,
-                   const ForeignOptions &options);
+// The cells of plain SWC files.
+Scene read_foreign_swc(const std::vector<SwcFile> &files, const Request &request);
 
 } // namespace conceg::importing

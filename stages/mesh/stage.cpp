@@ -292,7 +292,7 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   const Volume volume = make_volume(tissue, options, workers, progress);
   workers.count(ctx, "mesh.volume");
   if (wanted) write_volumes(doc, volume);
-  if (*vdb) write_vdb(volume, vdb);
+  if (*vdb) write_vdb(leaves(volume), vdb);
 }
 
 conceg_status check(conceg_ctx *ctx, conceg_doc *, const conceg_params *params) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "field.hpp"
+#include "vdb.hpp"
 
 namespace conceg::mesh {
 
@@ -23,10 +24,15 @@ struct Volume {
 // `options.h` is the largest spacing. Voxels are those of the box, also where cells leave an open side.
 Volume make_volume(const Tissue &tissue, SceneOptions options, Workers &workers, const Progress &progress);
 
-// Is OpenVDB in this build?
-bool vdb_available();
-// Writes the grids "label" (Int32) and "distance" (float, level set); whole or not at all. Throws E_IO or
-// E_UNSUPPORTED.
-void write_vdb(const Volume &volume, const char *path);
+// Borrowed, for write_vdb.
+inline LeafVolume leaves(const Volume &volume) {
+  return {volume.origin,
+          volume.spacing,
+          volume.band,
+          volume.leaf_origin.size(),
+          volume.leaf_origin.empty() ? nullptr : &volume.leaf_origin[0].x,
+          volume.label.data(),
+          volume.distance.data()};
+}
 
 } // namespace conceg::mesh

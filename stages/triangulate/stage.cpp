@@ -85,6 +85,7 @@ void triangulate_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params 
   const double cap = largest_target + conceg_params_f64(params, "radius_margin_um");
   const Progress progress = progress_of(ctx);
   Workers workers(conceg_ctx_threads(ctx));
+  Phases phases;
 
   NodeOptions node_options = read_node_options(ctx, params);
   warn_if_sparse(ctx, node_options, largest_target);
@@ -93,9 +94,11 @@ void triangulate_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params 
     node_options.levels = grade(ctx, doc, params, lattice_of(box, node_options.density_per_um3), somas);
   const std::vector<glm::dvec3> nodes = make_nodes(box, node_options, workers, progress);
   workers.count(ctx, "triangulate.node_blocks");
+  phases.end("nodes");
   put3(doc, "/network/position", nodes);
   put(doc, "/network/radius", allowed_radii(box, nodes, somas, cap, workers, progress));
   workers.count(ctx, "triangulate.radius_blocks");
+  phases.end("radii");
 
   DelaunayOptions options;
   options.tile_um = conceg_params_f64(params, "tile_um");
@@ -103,6 +106,7 @@ void triangulate_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params 
   options.mirrored_faces = node_options.mirrored_faces;
   Edges edges = delaunay_edges(box, nodes, options, workers, progress);
   workers.count(ctx, "triangulate.tiles");
+  phases.end("tiles");
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
                  "triangulate: %zu nodes, %llu directed edges, %zu tiles, %llu redone with a wider halo",
                  nodes.size(), static_cast<unsigned long long>(edges.count), edges.tiles.size(),
@@ -112,6 +116,8 @@ void triangulate_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params 
   auto *edge = new_array<std::uint32_t>(doc, "/network/edge", count);
   auto *shift = new_array<std::int8_t>(doc, "/network/edge_shift", count, 3);
   merge_tiles(std::move(edges), nodes.size(), offset, edge, shift);
+  phases.end("merge");
+  tell_phases(ctx, "triangulate", phases, workers.busy_s(), workers.threads());
 }
 
 conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {

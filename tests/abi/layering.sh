@@ -51,7 +51,8 @@ for folder in stages/*/; do
     other=$(basename "$other")
     [ "$other" = "$stage" ] || [ "$other" = common ] || forbid "stages/$stage includes stages/$other" "include[[:space:]]*[<\"].*\\<$other/" $files
   done
-  forbid "stages/$stage calls HDF5 or libyaml" '\<H5[A-Z][a-z]+\(|\<yaml_' $files
+  # Formats of other programs that are HDF5 have a file of their own, h5_*.cpp.
+  forbid "stages/$stage calls HDF5 or libyaml" '\<H5[A-Z][a-z]+\(|\<yaml_' $(echo "$files" | tr ' ' '\n' | grep -v '/h5_[a-z0-9_]*\.cpp$')
 done
 
 spdx=$(find libconceg apps stages tests \( -name '*.[ch]' -o -name '*.[ch]pp' -o -name '*.sh' -o -name CMakeLists.txt -o -name '*.cmake' \) -exec grep -L SPDX-License-Identifier {} +)

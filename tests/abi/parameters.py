@@ -26,12 +26,25 @@ instead = {
     "place.soma_gap_um": ("2", "the lower bound shows only where somata touch, the upper one fits no box"),
     "relax.skin_um": ("0.5", "at the upper bound the list of pairs is everything"),
     "relax.sphere_spacing": ("2", "the lower bound makes twenty times the spheres"),
+    "export.diffusivity_um2_per_ms": ("1", "any other value shows"),
+    "export.pulse_ms": ("4", "the upper bound is longer than the separation"),
+    "export.separation_ms": ("30", "any other value shows"),
     "grow.max_edge_um": ("1", "any shorter edge shows"),
     "analyse.points": ("1000", "the upper bound takes minutes"),
     "analyse.field_step_um": ("1", "the lower bound is the default, the upper one is wider than a cell"),
     "render.samples": ("1", "the upper bound takes a minute"),
     "render.size_px": ("64", "the upper bound takes a minute"),
+    "fit.diffusivity_max": ("4", "the lower bound is below diffusivity_min"),
+    "fit.radius_max_um": ("6.5", "the lower bound is below radius_min_um"),
+    "fit.shell_width": ("0.7", "the lower bound joins nothing less, the upper one everything"),
+    "fit.starts": ("3", "the upper bound takes an hour"),
+    "import.pulse_duration_ms": ("4", "the upper bound is longer than the time between the pulses"),
+    "import.pulse_separation_ms": ("25", "the lower bound is the default"),
     "import.margin_um": ("7", "the upper bound is wider than any tissue"),
+    "import.box_um": ("90", "the lower bound is the default, the upper one is wider than any tissue"),
+    "export.walkers": ("20", "the upper bound takes an hour"),
+    "export.directions": ("6", "the upper bound makes a large table"),
+    "export.fraction_um": ("4", "at the bounds there is one voxel, or those of the labels"),
     "characterise.astrocyte_donors": ("3", "the upper bound makes a large table"),
 }
 # The same bytes are demanded.
@@ -44,6 +57,8 @@ same = {
     "characterise.pictures": "a folder for pictures beside the document",
     "characterise.beside": "grown cells for those pictures",
     "mesh.vdb": "a file beside the document",
+    "fit.csv": "a folder for files beside the document",
+    "fit.pictures": "a folder for pictures beside the document",
     "export.dir": "where the files go, not what is in them",
     "render.dir": "where the files go, not what is in them",
 }
@@ -57,8 +72,17 @@ texts = {
     "characterise.pictures": "{work}/pictures",
     "characterise.beside": "{work}/mesh.cgx",
     "mesh.vdb": "{work}/cells.vdb",
+    "fit.compartment": "intra",
+    "fit.free": "none",
+    "fit.csv": "{work}/csv",
+    "fit.pictures": "{work}/pictures",
+    "import.bval": "{work}/bvals",
+    "import.bvec": "{work}/bvecs",
+    "import.compartment": "intra",
     "export.cells": "0",
     "export.dir": "{work}/exported",
+    "export.b_values_ms_per_um2": "0 2",
+    "import.info": "{work}/other_info.txt",
     "render.cells": "0",
     "render.dir": "{work}/rendered",
 }
@@ -66,6 +90,18 @@ texts = {
 needs = {
     "characterise.beside": ["--pictures", "{work}/pictures"],
     "export.ascii": ["--to", "ply"],
+    "fit.neurite_diffusivity": ["--free", "extra"],
+    "fit.extra_diffusivity": ["--free", "neurite"],
+    "import.bval": ["--pulse-duration-ms=5", "--pulse-separation-ms=20"],
+    "import.bvec": ["--bval={work}/bvals", "--pulse-duration-ms=5", "--pulse-separation-ms=20"],
+    "import.compartment": ["--bval={work}/bvals", "--pulse-duration-ms=5", "--pulse-separation-ms=20"],
+    "import.pulse_duration_ms": ["--bval={work}/bvals", "--pulse-separation-ms=20"],
+    "import.pulse_separation_ms": ["--bval={work}/bvals", "--pulse-duration-ms=5"],
+    "export.columns": ["--to", "caterpillar"],
+    "export.fraction_um": ["--to", "nifti"],
+    "export.walkers": ["--to", "mcdc"],
+    **{f"export.{name}": ["--to", "mcdc", "--walkers", "10"] for name in ("diffusivity_um2_per_ms", "b_values_ms_per_um2", "directions", "pulse_ms", "separation_ms")},
+    "grow.smoothing": ["--straightness", "free"],
     "triangulate.grade_levels": ["--nodes", "graded"],
     "triangulate.grade_distance_um": ["--nodes", "graded"],
     "triangulate.grade_spacing_radii": ["--nodes", "graded", "--grade-territory-um", "1000"],
@@ -73,7 +109,8 @@ needs = {
     "render.cut_axis": ["--what", "cut"],
     "render.cut_position": ["--what", "cut"],
 }
-quick = {"render": ["--size-px", "96"], "analyse": ["--points", "20000"], "mesh": ["--h-um", "0.6"], "relax": ["--iterations", "8"]}
+quick = {"render": ["--size-px", "96"], "analyse": ["--points", "20000"], "mesh": ["--h-um", "0.6"], "relax": ["--iterations", "8"],
+         "fit": ["--starts", "4"]}
 
 cell = """1 1 0 0 0 5 -1
 2 4 0 0 5 1 1
@@ -118,21 +155,36 @@ class Parameters:
         (work / "loose-trees.swc").write_text(cell + "16 3 50 0 0 0.4 -1\n17 3 55 0 0 0.4 16\n")
         (work / "pieces.swc").write_text(cell + "16 2 0 -5 0 0.2 1\n17 2 0 -30 0 0.2 16\n18 2 0 -40 0 0.2 -1\n19 2 0 -60 0 0.2 18\n")
         (work / "loose.swc").write_text(cell.replace("2 4 0 0 5 1 1", "2.0 4 0 0 5 1 1"))
+        (work / "table.csv").write_text("cell_type cell_id component component_id X Y Z inner_radius outer_radius\naxon 0 axon 0 1 2 3 0.5 0.5\naxon 0 axon 0 2 2 3 0.5 0.5\n")
+        (work / "table_info.txt").write_text("Voxel Size 20\n")
+        (work / "other_info.txt").write_text("Voxel Size 30\n")
         columns = "file,entry,class,donor_id,fold,frame,soma_radius_um,axon,note\n"
         (work / "two.csv").write_text(columns + "cell.swc,two,interneuron,,0,-y,,full,\n")
         (work / "sourced.csv").write_text("file,entry,class,source\ncell.swc,two,interneuron,here\n")
         (work / "sources.csv").write_text("source,repository,licence,terms\nhere,a/b,MIT,cite\n")
         (work / "glia.csv").write_text(columns + f"{self.source}/data/astrocyte-barcodes.csv,glia,astrocyte,,0,unknown,,,\n")
+        signals = [0.8, 0.66, 0.43, 0.31, 0.25, 0.21, 0.16]
+        rows = [f"{name},{b},{1 if b == 0 else signals[i - 1] * scale}" for name, scale in (("intra", 1), ("all", 0.9)) for i, b in enumerate([0, 0.5, 1, 2, 3, 4, 6, 10])]
+        (work / "signals.csv").write_text("compartment,b,signal\n" + "\n".join(rows) + "\n")
+        (work / "signals.txt").write_text("1 0.8 0.4\n")
+        (work / "bvals").write_text("0 1000 3000\n")
+        (work / "bvecs").write_text("0 1 0\n0 0 1\n0 0 0\n")
+        self.must("import", "signal", work / "signals.csv", "--pulse-duration-ms=5", "--pulse-separation-ms=20", "-q", "-o", work / "signals.cgx")
         made = work / "made"
         self.inputs = {
             "place": ["-p", recipe], "triangulate": [made / "01-place.cgx"], "grow": [made / "02-triangulate.cgx"], "relax": [made / "03-grow.cgx"],
             "mesh": [made / "04-relax.cgx"], "analyse": [work / "mesh.cgx"], "export": [work / "mesh.cgx"], "render": [work / "mesh.cgx"],
+            "fit": [work / "signals.cgx"],
             "characterise": [work / "cell.swc"], "import": ["swc", work / "loose-trees.swc"],
         }
 
     def words_of(self, stage, name):
         if stage == "characterise" and name.startswith("astrocyte"):
             return ["--table", self.work / "glia.csv"]
+        if stage == "import" and name in ("bval", "bvec", "compartment", "pulse_duration_ms", "pulse_separation_ms"):
+            return ["signal", self.work / "signals.txt"]
+        if stage == "import" and name in ("box_um", "info"):
+            return ["caterpillar", self.work / "table.csv"]
         if name == "strict":
             return [*(["swc"] if stage == "import" else []), self.work / "loose.swc"]
         if stage == "characterise" and name == "axon_gap_um":

@@ -12,6 +12,8 @@ TMPDIR=$scratch/tmp
 export TMPDIR
 conceg run "$recipe" --until mesh -q --checkpoint cp -o mesh.cgx || exit 1
 conceg export cp/03-grow.cgx --to swc --dir cells -q || exit 1
+{ echo b,signal; for b in 0 1 2 3 4 6 8; do awk -v b=$b 'BEGIN { print b "," exp(-b / 4) }'; done; } > signals.csv
+conceg import signal signals.csv --pulse-duration-ms 5 --pulse-separation-ms 20 --compartment intra -q -o signals.cgx || exit 1
 sha256sum cp/* mesh.cgx cells/swc/* > before
 stat -c '%n %Y %Z %s' cp/* mesh.cgx >> before
 
@@ -30,6 +32,7 @@ for stage in $stages; do
     relax) set -- conceg relax cp/03-grow.cgx ;;
     mesh) set -- conceg mesh cp/04-relax.cgx --set mesh.h_um=0.5 ;;
     analyse) set -- conceg analyse mesh.cgx ;;
+    fit) set -- conceg fit signals.cgx --kernel exact ;;
     characterise) set -- conceg characterise --class pyramidal cells/swc/*.swc ;;
     import) set -- conceg import swc cells/swc ;;
     export | render)

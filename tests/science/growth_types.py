@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Straightness per type against the dictionary, and how many bars reached their end, measured again with h5py.
 
-usage: growth_types.py FILE.cgx [--within X] [--done-at-least X]
+usage: growth_types.py FILE.cgx [--within X] [--done-at-least X] [--mean-within LOW HIGH]
 
 Straightness: end-to-end over path per branch of 2 um and more, resampled at 1 um. Types with fewer than 600 branches are
 printed, and held to nothing: their standard error is too large.
@@ -28,6 +28,11 @@ def straightness(line):
     return np.linalg.norm(line[-1] - line[0]) / np.linalg.norm(np.diff(sampled, axis=0), axis=1).sum()
 
 
+def plain_straightness(line):
+    length = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
+    return np.linalg.norm(line[-1] - line[0]) / length if length >= 2.0 else np.nan
+
+
 def branches(position, parent):
     children = np.bincount(parent[parent >= 0], minlength=len(parent))
     child = np.full(len(parent), -1)
@@ -47,6 +52,7 @@ def main():
     arguments.add_argument("file")
     arguments.add_argument("--within", type=float)
     arguments.add_argument("--done-at-least", type=float)
+    arguments.add_argument("--mean-within", type=float, nargs=2, metavar=("LOW", "HIGH"), help="of end-to-end over path of all branches, not resampled")
     options = arguments.parse_args()
     failed = 0
     with h5py.File(options.file) as document:
@@ -69,6 +75,13 @@ def main():
         print(f"{name:20s} {len(values):6d} branches: asked {want:.3f}, got {values.mean():.4f} +- {error:.4f}, apart {apart:+.4f}")
         if options.within is not None and len(values) >= ENOUGH and abs(apart) + error > options.within:
             print(f"FAILED {name}: |difference| + 1 SE = {abs(apart) + error:.4f} > {options.within}")
+            failed = 1
+    if options.mean_within is not None:
+        plain = np.concatenate([[plain_straightness(line) for line in branches(position[rows], parent[rows])] for rows in map(slice, offset[:-1], offset[1:])])
+        mean = np.nanmean(plain)
+        print(f"all types: straightness {mean:.4f}, {np.isfinite(plain).sum()} branches")
+        if not options.mean_within[0] <= mean <= options.mean_within[1]:
+            print(f"FAILED it is not within {options.mean_within[0]} and {options.mean_within[1]}")
             failed = 1
     print(f"bars that reach their end: {done.mean():.4f} of {len(done)}")
     if options.done_at_least is not None and done.mean() < options.done_at_least:

@@ -163,7 +163,7 @@ sed 's/ 0.8 2$/ 0 2/' plain.swc > thin.swc
 expect 3 "thin.swc:4: expected a radius above 0, got 0; give --radius-min-um" conceg import swc thin.swc -o x.cgx
 expect 0 "1 radii below 0.1 um were raised" conceg import swc --radius-min-um 0.1 thin.swc -o thin.cgx
 expect 3 "E_COLUMNS" sh -c "echo '1 1 0' > short.swc; conceg import swc short.swc -o x.cgx"
-expect 2 "ply: unknown format; there is: swc" conceg import ply x.ply -o x.cgx
+expect 2 "gif: unknown format; there are: swc" conceg import gif x.gif -o x.cgx
 expect 2 "which format" conceg import -o x.cgx
 expect 2 "which files" conceg import swc -o x.cgx
 expect 3 "expected files that end in .swc, got none" sh -c "mkdir none; conceg import swc none -o x.cgx"

@@ -80,7 +80,7 @@ static void everything() {
     if (rows++ == 0) continue;
     CHECK(fs::exists(dir + "/" + line.substr(0, line.find(','))));
   }
-  CHECK_EQUAL(rows, 1 + 3 + 1 + 3 + 3 + 2);
+  CHECK_EQUAL(rows, 1 + 3 + 1 + 3 + 3 + 2 + 3); // and a manifest of each format
   vtkNew<vtkXMLMultiBlockDataReader> reader;
   reader->SetFileName((dir + "/vtk/surfaces.vtm").c_str());
   reader->Update();

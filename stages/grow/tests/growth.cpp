@@ -189,7 +189,9 @@ void cancelled() {
   state.input = world.input();
   bool stopped = false;
   try {
-    conceg::grow::grow(state, 2, [](const char *, std::uint64_t, std::uint64_t) { return false; });
+    conceg::Phases phases;
+    conceg::grow::grow(
+        state, 2, [](const char *, std::uint64_t, std::uint64_t) { return false; }, phases);
   } catch (const conceg::Error &error) {
     stopped = error.status() == CONCEG_E_CANCELLED;
   }

@@ -79,7 +79,7 @@ void star() {
   }
 
   // Another cell leaves 0.2 um at node 1: l = 0 + f (0.5 - 0.2) / 0.5 = 0.6 f; with f = 1 the side step wins.
-  star.state.space.field[1] = {0.2f, 0.5f, 1, none};
+  star.state.space.site(1).field = {0.2f, 0.5f, 1, none};
   found = star.candidates();
   CHECK_EQUAL(found[0].node, 2);
   CHECK_NEAR(found[1].cost, 0.6, 1e-7);
@@ -88,18 +88,18 @@ void star() {
   CHECK_NEAR(star.candidates()[0].cost, 0.3, 1e-7);
   star.state.parameters.f = 1.0;
   // The same distance to the cell's own process does not count: the nearest other one does.
-  star.state.space.field[1] = {-0.3f, 0.45f, 0, 1};
+  star.state.space.site(1).field = {-0.3f, 0.45f, 0, 1};
   CHECK_EQUAL(star.candidates()[0].node, 1);
   CHECK_NEAR(star.candidates()[0].cost, 0.1, 1e-6);
 
   // Not viable: narrower than r_min, used by the cell itself, banned.
-  star.state.space.field[1] = {0.1f, 0.5f, 1, none};
+  star.state.space.site(1).field = {0.1f, 0.5f, 1, none};
   CHECK_EQUAL(star.candidates().size(), 3);
-  star.state.space.mark[2] = 0;
+  star.state.space.site(2).user = 0;
   CHECK_EQUAL(star.candidates().size(), 2);
   star.state.projections[0].banned = {3};
   CHECK_EQUAL(star.candidates().size(), 1);
-  star.state.space.mark[2] = 1;
+  star.state.space.site(2).user = 1;
   CHECK_EQUAL(star.candidates().size(), 2);
 }
 

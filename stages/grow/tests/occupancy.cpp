@@ -87,7 +87,7 @@ void trees() {
 bool field_is_fresh(const State &state) {
   for (std::uint32_t node = 0; node < state.input.network.nodes; node++) {
     const NodeField fresh = fresh_field(state.input, state.space, node);
-    if (std::memcmp(&fresh, &state.space.field[node], sizeof fresh) != 0) return false;
+    if (std::memcmp(&fresh, &state.space.site(node).field, sizeof fresh) != 0) return false;
   }
   return true;
 }
@@ -95,7 +95,7 @@ bool field_is_fresh(const State &state) {
 void grows_back() {
   World world;
   State state = empty_state(world);
-  const std::vector<NodeField> before = state.space.field;
+  const std::vector<Site> before = state.space.sites;
   std::vector<std::uint32_t> ids;
   for (int i = 0; i < 3; i++)
     for (const std::uint32_t cell : {0u, 1u})
@@ -106,7 +106,7 @@ void grows_back() {
     lower_field(state.input, state.space, id);
   }
   CHECK(field_is_fresh(state));
-  CHECK(std::memcmp(before.data(), state.space.field.data(), before.size() * sizeof before[0]) != 0);
+  CHECK(std::memcmp(before.data(), state.space.sites.data(), before.size() * sizeof before[0]) != 0);
   std::vector<Segment> removed;
   for (const std::uint32_t id : ids) {
     removed.push_back(state.space.segments[id]);
@@ -115,7 +115,7 @@ void grows_back() {
   CHECK(!field_is_fresh(state)); // planted: taken out, not yet given back
   restore_field(state.input, state.space, removed);
   CHECK(field_is_fresh(state));
-  CHECK(std::memcmp(before.data(), state.space.field.data(), before.size() * sizeof before[0]) == 0);
+  CHECK(std::memcmp(before.data(), state.space.sites.data(), before.size() * sizeof before[0]) == 0);
 }
 
 // A crowded box with many collapses: at the end the field is that of what stands.
@@ -135,8 +135,8 @@ void after_collapses() {
     alive += segment.alive && segment.bar != none;
   for (const Projection &projection : grown.state.projections)
     if (projection.chain.size() > 1) used += projection.chain.size() - 1;
-  for (const std::uint32_t mark : grown.state.space.mark)
-    marked += mark != none;
+  for (const Site &site : grown.state.space.sites)
+    marked += site.user != none;
   CHECK_EQUAL(alive, used);
   CHECK(marked <= used && marked > used / 2);
 }

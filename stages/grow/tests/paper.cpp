@@ -112,7 +112,7 @@ void chosen() {
   CHECK_EQUAL(twelve.step().node, 1);
   CHECK_NEAR(twelve.step().radius, 0.2, 1e-7); // all that the node has
   twelve.state.parameters.f = 1.0;
-  twelve.state.space.mark[5] = 0; // used by the cell itself
+  twelve.state.space.site(5).user = 0; // used by the cell itself
   CHECK_EQUAL(twelve.step().node, 8);
   twelve.state.projections[0].banned = {8};
   CHECK_EQUAL(twelve.step().node, 4);

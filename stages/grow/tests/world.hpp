@@ -175,7 +175,8 @@ inline Grown grow_world(const World &world, const conceg::grow::Parameters &para
   Grown grown;
   grown.state.input = world.input(seed);
   grown.state.parameters = parameters;
-  grown.summary = conceg::grow::grow(grown.state, threads, nullptr);
+  conceg::Phases phases;
+  grown.summary = conceg::grow::grow(grown.state, threads, nullptr, phases);
   grown.skeleton = conceg::grow::deliver_skeleton(grown.state);
   grown.bars = conceg::grow::deliver_bars(grown.state);
   return grown;

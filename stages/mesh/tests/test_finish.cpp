@@ -186,8 +186,8 @@ void volumes_agree_with_meshes() {
     meshes += volume_of(surface);
   CHECK_NEAR(double(inside) / 512000, meshes / 8000, 0.002);
   CHECK(make_volume(tissue, options, one, {}).distance == volume.distance);
-  if (vdb_available()) {
-    write_vdb(volume, "test_mesh_finish.vdb");
+  if (conceg::vdb_available()) {
+    conceg::write_vdb(leaves(volume), "test_mesh_finish.vdb");
     std::FILE *file = std::fopen("test_mesh_finish.vdb", "rb");
     CHECK(file != nullptr);
     unsigned char head[3] = {};
@@ -198,7 +198,7 @@ void volumes_agree_with_meshes() {
     std::remove("test_mesh_finish.vdb");
     bool refused = false;
     try {
-      write_vdb(volume, "no/such/folder/x.vdb");
+      conceg::write_vdb(leaves(volume), "no/such/folder/x.vdb");
     } catch (const conceg::Error &error) {
       refused = error.status() == CONCEG_E_IO;
     }

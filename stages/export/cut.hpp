@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Surfaces as simulators with a box of their own take them.
+#pragma once
+
+#include "tile.hpp"
+
+namespace conceg::exporting {
+
+// The surface within the box, open where a periodic side cuts it: all its images, cut at the periodic sides.
+// New vertices lie exactly on a side, one for each edge that crosses it, and those of opposite sides are
+// images of each other to rounding.
+Surface cut_at_box(const conceg_box &box, const Surface &surface);
+
+// The surface moved by -origin and multiplied by scale.
+Surface placed(Surface surface, const glm::dvec3 &origin, double scale);
+
+// Adds a surface to another; vertices of different surfaces stay apart.
+void append(Surface &to, const Surface &surface);
+
+} // namespace conceg::exporting
