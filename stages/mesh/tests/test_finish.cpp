@@ -74,7 +74,8 @@ Finished finish_forest(const Tissue &tissue, double tolerance, unsigned threads,
   SceneOptions options;
   options.h = 0.25;
   FinishOptions finish_options;
-  finish_options.tolerance = tolerance, finish_options.cluster = cluster, finish_options.gap = gap;
+  finish_options.tolerance = tolerance, finish_options.cluster = cluster, finish_options.gap = gap,
+  finish_options.rounds = 2;
   return finish_tissue(tissue, options, finish_options, threads);
 }
 
