@@ -39,9 +39,16 @@ struct Defect {
   glm::dvec3 where{};                      // um
 };
 
+constexpr double kGapReach = 1.5; // gaps are measured up to so many times the gap that is asked
+
 struct CheckOptions {
-  double gap = 0.04;    // um; gaps are measured up to twice this; 0 = not at all
+  double gap = 0.06;    // um; 0 = gaps are not measured
   double least_gap = 0; // um; pairs nearer than this are listed as near
+};
+
+struct Gap {
+  std::uint32_t surface, other_surface;
+  double distance2; // um2, least over the faces of the two
 };
 
 struct CheckResult {
@@ -49,13 +56,21 @@ struct CheckResult {
   std::uint64_t errors = 0;    // defects that make the meshes unfit: all but near
   std::uint64_t crossings = 0; // pairs among them
   std::uint64_t pairs_checked = 0;
-  std::vector<double> min_gap;      // per surface: distance to the nearest other label, at most 2 gap
+  std::vector<double> min_gap; // per surface: distance to the nearest other label, at most kGapReach * gap
   std::vector<std::uint8_t> closed; // per surface: no flaw other than crossings
+  std::vector<std::uint8_t> usable; // per surface: the pair test can take it
+  std::vector<Gap> gaps;            // pairs of labels nearer than kGapReach * gap
 };
 
 // Surfaces with bad indices or degenerate faces are reported and left out of the pair test.
 CheckResult check_surfaces(const std::vector<Surface> &surfaces, const conceg_box &box,
                            const CheckOptions &options, Workers &workers, const Progress &progress);
+
+// Brings `result` up to date after some surfaces have been replaced: pairs of two others are not tested
+// again. pairs_checked counts the tests of all times.
+void check_again(const std::vector<Surface> &surfaces, const std::vector<std::uint8_t> &changed,
+                 const conceg_box &box, const CheckOptions &options, Workers &workers,
+                 const Progress &progress, CheckResult &result);
 
 // One line that names a defect and its place.
 std::string describe(const Defect &defect, const std::vector<Surface> &surfaces);

@@ -41,13 +41,17 @@ void keep_faces(Surface &surface, std::vector<std::uint32_t> &up, std::uint32_t 
     if (root_of(up, f.x) == kept) face.push_back(f);
   std::vector<std::uint32_t> number(surface.vertex.size());
   std::vector<glm::vec3> vertex;
+  std::vector<float> room;
   for (std::uint32_t v = 0; v < surface.vertex.size(); v++)
-    if (root_of(up, v) == kept)
+    if (root_of(up, v) == kept) {
       number[v] = static_cast<std::uint32_t>(vertex.size()), vertex.push_back(surface.vertex[v]);
+      if (!surface.room.empty()) room.push_back(surface.room[v]);
+    }
   for (glm::uvec3 &f : face)
     f = {number[f.x], number[f.y], number[f.z]};
   surface.face.swap(face);
   surface.vertex.swap(vertex);
+  surface.room.swap(room);
 }
 
 } // namespace

@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kWidest = double(1 << 19); // voxels from the box, so that vertex keys hold 20 bits per axis
 
-constexpr double kSnapLoss = 0.007; // measured on tubes and balls
+constexpr double kSnapLoss = 0.007;    // measured on tubes and balls
+constexpr double kClusterLoss = 0.057; // the same
 
 Grid make_grid(const conceg_box &box, const SceneOptions &options) {
   Grid grid;
@@ -128,12 +129,13 @@ private:
   }
 
   // Straight faces between nodes lie inside a surface with curvatures k1 and k2 by (k1 + k2) h^2 / 12 in the
-  // mean, and the snap of node values takes kSnapLoss steps; primitives for meshing are that much larger, so
-  // that volumes come out right.
+  // mean, clusters of their corners by (k1 + k2) h^2 kClusterLoss more, and the snap of node values takes
+  // kSnapLoss steps; primitives for meshing are that much larger, so that volumes come out right.
   double mesh_loss(double radius, std::uint8_t kind) const {
     if (options_.centred) return 0; // voxels are points: no faces, no loss
-    const double h = scene_.grid.unit, curvature = (kind == kSomaKind ? 2 : 1) / radius;
-    return std::min(0.25 * radius, curvature * h * h / 12 + kSnapLoss * h);
+    const double h = scene_.grid.unit, curvature = (kind == kSomaKind ? 2 : 1) / radius,
+                 faces = 1.0 / 12 + (options_.cluster ? kClusterLoss : 0.0);
+    return std::min(0.25 * radius, curvature * h * h * faces + kSnapLoss * h);
   }
 
   double grown_radius(double radius, std::uint8_t kind) const {

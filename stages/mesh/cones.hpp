@@ -78,9 +78,10 @@ struct Scene {
 
 struct SceneOptions {
   double h = 0.25;      // largest step, um
-  double gap = 0.04;    // um
+  double gap = 0.06;    // um
   double inflate = 0;   // c, um; a cone of radius r grows by min(c, 0.25 r)
   double smooth = 0.3;  // k / r
+  bool cluster = true;  // for the light mesh, which loses more volume than the base mesh
   bool centred = false; // nodes at the centres of the voxels, for volumes
 };
 

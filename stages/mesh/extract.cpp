@@ -4,84 +4,13 @@
 #include <glm/common.hpp>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <numeric>
 
 namespace conceg::mesh {
 namespace {
 
-// An edge of the split runs from a lower node along (dx, dy, dz) in {0, 1}^3. In a cube: lower corner and
-// direction, as bits.
-struct CubeEdge {
-  int corner, direction;
-};
-using CubeFace = std::array<CubeEdge, 3>;
-
-// The triangles of a cube for each pattern of inside corners (bit = corner, x + 2 y + 4 z).
-class CubeTable {
-public:
-  CubeTable() {
-    int axes[3] = {0, 1, 2};
-    do {
-      const bool even = axes[1] == (axes[0] + 1) % 3;
-      const std::array<int, 4> corner = {0, 1 << axes[0], (1 << axes[0]) | (1 << axes[1]), 7};
-      for (int inside = 0; inside < 256; inside++)
-        add_tetrahedron(inside, corner, even);
-    } while (std::next_permutation(axes, axes + 3));
-  }
-  const std::vector<CubeFace> &operator[](int inside) const {
-    return faces_[static_cast<std::size_t>(inside)];
-  }
-
-private:
-  void add_tetrahedron(int inside, const std::array<int, 4> &corner, bool even) {
-    int in[4], out[4], ins = 0, outs = 0;
-    for (int i = 0; i < 4; i++)
-      (inside >> corner[i] & 1 ? in[ins++] : out[outs++]) = i;
-    if (ins == 1) add_corner(inside, corner, in[0], even);
-    if (ins == 3) add_corner(inside, corner, out[0], !even);
-    if (ins == 2) {
-      const bool turned = parity({in[0], in[1], out[0], out[1]}) ^ !even;
-      const CubeEdge a = edge(corner, in[0], out[0]), b = edge(corner, in[0], out[1]),
-                     c = edge(corner, in[1], out[1]), d = edge(corner, in[1], out[0]);
-      add(inside, {a, b, c}, turned);
-      add(inside, {a, c, d}, turned);
-    }
-  }
-  // The triangle that cuts off one corner, facing away from it where the tetrahedron is positive.
-  void add_corner(int inside, const std::array<int, 4> &corner, int lone, bool positive) {
-    static constexpr int others[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-    add(inside,
-        {edge(corner, lone, others[lone][0]), edge(corner, lone, others[lone][1]),
-         edge(corner, lone, others[lone][2])},
-        !positive);
-  }
-  void add(int inside, CubeFace face, bool turned) {
-    if (turned) std::swap(face[1], face[2]);
-    faces_[static_cast<std::size_t>(inside)].push_back(face);
-  }
-  static CubeEdge edge(const std::array<int, 4> &corner, int i, int j) {
-    return {corner[std::min(i, j)], corner[i] ^ corner[j]};
-  }
-  static bool parity(const std::array<int, 4> &order) {
-    bool odd = false;
-    for (int i = 0; i < 4; i++)
-      for (int j = i + 1; j < 4; j++)
-        odd ^= order[i] > order[j];
-    return odd;
-  }
-  std::array<std::vector<CubeFace>, 256> faces_;
-};
-
-// What one block gives to one cell: vertices by their key, triangles by chunk-local vertex.
-struct Chunk {
-  std::uint32_t cell;
-  std::vector<std::uint64_t> key;
-  std::vector<float> part; // of the edge, from its lower node
-  std::vector<glm::uvec3> face;
-};
-
+// A vertex of a cell: unwrapped node and direction.
 constexpr int kKeyBits = 20, kKeyOffset = 1 << (kKeyBits - 1);
 
 std::uint64_t key_of(const glm::ivec3 &node, int direction) {
@@ -96,10 +25,6 @@ glm::ivec3 node_of(std::uint64_t key) {
     return static_cast<int>(key >> (3 + axis * kKeyBits) & mask) - kKeyOffset;
   };
   return {node(0), node(1), node(2)};
-}
-
-glm::dvec3 voxel_of(std::uint64_t key, float part) {
-  return glm::dvec3(node_of(key)) + double(part) * glm::dvec3(key & 1, key >> 1 & 1, key >> 2 & 1);
 }
 
 // Every third bit.
@@ -120,79 +45,9 @@ std::uint64_t curve(std::uint64_t key, const glm::ivec3 &centre) {
   return (bits(node.z) << 2 | bits(node.y) << 1 | bits(node.x)) << 3 | (key & 7);
 }
 
-constexpr std::uint32_t kNone = 0xffffffffu;
-
-// Marching tetrahedra of one label in one block.
-class Marcher {
-public:
-  Marcher() : slot_(std::size_t(kNodes) * 7, kNone) {}
-
-  // False when the label's surface does not pass through the block.
-  bool run(const BlockField &field, std::size_t label, const glm::ivec3 &size, Chunk &out) {
-    value_ = field.of(label);
-    base_ = field.first - field.label[label].lift * size;
-    out.cell = field.label[label].cell;
-    sign_rows(field.cubes);
-    for (int z = 0; z < field.cubes.z; z++)
-      for (int y = 0; y < field.cubes.y; y++)
-        march_row(y, z, field.cubes.x, out);
-    for (const std::uint32_t slot : used_)
-      slot_[slot] = kNone;
-    used_.clear();
-    return !out.face.empty();
-  }
-
-private:
-  void sign_rows(const glm::ivec3 &cubes) {
-    for (int z = 0; z <= cubes.z; z++)
-      for (int y = 0; y <= cubes.y; y++) {
-        const float *row = value_ + (z * kRow + y) * kRow;
-        std::uint32_t bits = 0;
-        for (int x = 0; x < kRow; x++)
-          bits |= static_cast<std::uint32_t>(row[x] < 0) << x;
-        sign_[z][y] = bits;
-      }
-  }
-
-  void march_row(int y, int z, int width, Chunk &out) {
-    const std::uint32_t a = sign_[z][y], b = sign_[z][y + 1], c = sign_[z + 1][y], d = sign_[z + 1][y + 1];
-    const std::uint32_t any = a | b | c | d, all = a & b & c & d;
-    const std::uint32_t mixed = (any | any >> 1) & ~(all & all >> 1) & ((1u << width) - 1);
-    for (std::uint32_t rest = mixed; rest; rest &= rest - 1) {
-      const int x = __builtin_ctz(rest);
-      const auto pair = [x](std::uint32_t bits) { return static_cast<int>(bits >> x & 3); };
-      const int inside = pair(a) | pair(b) << 2 | pair(c) << 4 | pair(d) << 6;
-      for (const CubeFace &face : table()[inside])
-        out.face.push_back(
-            {vertex(x, y, z, face[0], out), vertex(x, y, z, face[1], out), vertex(x, y, z, face[2], out)});
-    }
-  }
-
-  std::uint32_t vertex(int x, int y, int z, const CubeEdge &edge, Chunk &out) {
-    const int dx = edge.direction & 1, dy = edge.direction >> 1 & 1, dz = edge.direction >> 2;
-    x += edge.corner & 1, y += edge.corner >> 1 & 1, z += edge.corner >> 2;
-    const int node = (z * kRow + y) * kRow + x;
-    const auto slot = static_cast<std::uint32_t>(node * 7 + edge.direction - 1);
-    if (slot_[slot] == kNone) {
-      const float low = value_[node], high = value_[node + (dz * kRow + dy) * kRow + dx];
-      slot_[slot] = static_cast<std::uint32_t>(out.key.size());
-      used_.push_back(slot);
-      out.key.push_back(key_of(base_ + glm::ivec3(x, y, z), edge.direction));
-      out.part.push_back(low / (low - high));
-    }
-    return slot_[slot];
-  }
-
-  static const CubeTable &table() {
-    static const CubeTable instance;
-    return instance;
-  }
-
-  const float *value_ = nullptr;
-  glm::ivec3 base_{};
-  std::uint32_t sign_[kRow][kRow] = {};
-  std::vector<std::uint32_t> slot_, used_;
-};
+glm::ivec3 local_node(int node) {
+  return {node % kRow, node / kRow % kRow, node / (kRow * kRow)};
+}
 
 // Faces in a canonical order: smallest vertex first, then by their vertices.
 void order_faces(std::vector<glm::uvec3> &faces, std::size_t vertices) {
@@ -213,79 +68,261 @@ void order_faces(std::vector<glm::uvec3> &faces, std::size_t vertices) {
   faces.swap(sorted);
 }
 
-// Joins a cell's chunks: equal keys are one vertex.
-Surface join(const Grid &grid, std::vector<Chunk *> &chunks, std::uint32_t cell, const glm::dvec3 &origin) {
+// Takes away vertices whose faces all shrank to nothing.
+template <class... Values>
+void drop_unused(std::vector<glm::uvec3> &face, std::vector<glm::vec3> &vertex, Values &...values) {
+  std::vector<std::uint32_t> number(vertex.size());
+  for (const glm::uvec3 &f : face)
+    number[f.x] = number[f.y] = number[f.z] = 1;
+  std::uint32_t kept = 0;
+  for (std::size_t v = 0; v < number.size(); v++)
+    if (number[v]) {
+      vertex[kept] = vertex[v], ((values[kept] = values[v]), ...);
+      number[v] = kept++;
+    }
+  vertex.resize(kept), (values.resize(kept), ...);
+  for (glm::uvec3 &f : face)
+    f = {number[f.x], number[f.y], number[f.z]};
+}
+
+struct Joined {
   Surface surface;
-  surface.cell = cell, surface.origin = origin;
+  std::vector<std::uint64_t> key; // of each vertex
+};
+
+// Puts a cell's chunks together: equal keys are one vertex.
+Joined put_together(const Grid &grid, std::uint32_t cell, const glm::dvec3 &origin,
+                    const std::vector<Chunk> &chunks) {
   struct Found {
     std::uint64_t place, key;
     std::uint32_t index;
-    float part;
+    const ChunkVertex *vertex;
   };
-  std::vector<Found> found;
+  Joined joined;
+  Surface &surface = joined.surface;
+  surface.cell = cell, surface.origin = origin;
   const glm::dvec3 centre = grid.voxel_of(origin);
   const glm::ivec3 own(glm::floor(centre));
   std::size_t vertices = 0, faces = 0;
-  for (const Chunk *chunk : chunks)
-    vertices += chunk->key.size(), faces += chunk->face.size();
-  if (vertices >= kNone)
+  for (const Chunk &chunk : chunks)
+    vertices += chunk.vertex.size(), faces += chunk.face.size();
+  if (vertices >= 0xffffffffu)
     fail(CONCEG_E_RANGE, "cell %u: its surface has too many vertices (%zu); use a larger h_um", cell,
          vertices);
+  std::vector<Found> found;
   found.reserve(vertices);
-  for (const Chunk *chunk : chunks)
-    for (std::size_t i = 0; i < chunk->key.size(); i++)
-      found.push_back({curve(chunk->key[i], own), chunk->key[i], static_cast<std::uint32_t>(found.size()),
-                       chunk->part[i]});
+  for (const Chunk &chunk : chunks)
+    for (const ChunkVertex &v : chunk.vertex) {
+      const std::uint64_t key = key_of(chunk.first + local_node(v.name >> 3), v.name & 7);
+      found.push_back({curve(key, own), key, static_cast<std::uint32_t>(found.size()), &v});
+    }
   std::sort(found.begin(), found.end(), [](const Found &l, const Found &r) {
     return l.place != r.place ? l.place < r.place : l.index < r.index;
   });
   std::vector<std::uint32_t> number(vertices);
   for (std::size_t i = 0; i < found.size(); i++) {
-    if (i == 0 || found[i].key != found[i - 1].key)
-      surface.vertex.push_back(written((voxel_of(found[i].key, found[i].part) - centre) * grid.step));
+    if (i == 0 || found[i].key != found[i - 1].key) {
+      const ChunkVertex &v = *found[i].vertex;
+      const glm::dvec3 voxel = glm::dvec3(node_of(found[i].key)) +
+                               glm::dvec3(v.offset[0], v.offset[1], v.offset[2]) / double(kOffset);
+      surface.vertex.push_back(written((voxel - centre) * grid.step));
+      surface.room.push_back(static_cast<float>(v.room / double(kRoomUnit) * grid.unit));
+      joined.key.push_back(found[i].key);
+    }
     number[found[i].index] = static_cast<std::uint32_t>(surface.vertex.size() - 1);
   }
   surface.face.reserve(faces);
   std::uint32_t base = 0;
-  for (Chunk *chunk : chunks) {
-    for (const glm::uvec3 &f : chunk->face)
-      surface.face.push_back({number[base + f.x], number[base + f.y], number[base + f.z]});
-    base += static_cast<std::uint32_t>(chunk->key.size());
-    *chunk = Chunk();
+  for (const Chunk &chunk : chunks) {
+    for (const ChunkFace &f : chunk.face)
+      surface.face.push_back(
+          {number[base + f.corner[0]], number[base + f.corner[1]], number[base + f.corner[2]]});
+    base += static_cast<std::uint32_t>(chunk.vertex.size());
   }
+  drop_unused(surface.face, surface.vertex, surface.room, joined.key);
   order_faces(surface.face, surface.vertex.size());
-  return surface;
+  return joined;
+}
+
+// Finds vertices around which a surface is not one fan of faces, with those that share the trouble.
+class Fans {
+public:
+  explicit Fans(const Surface &surface) : surface_(surface) {
+    start_.assign(surface.vertex.size() + 1, 0);
+    for (const glm::uvec3 &f : surface.face)
+      for (int i = 0; i < 3; i++)
+        start_[f[i] + 1]++;
+    std::partial_sum(start_.begin(), start_.end(), start_.begin());
+    spoke_.resize(surface.face.size() * 3);
+    std::vector<std::uint32_t> next(start_.begin(), start_.end() - 1);
+    for (const glm::uvec3 &f : surface.face)
+      for (int i = 0; i < 3; i++)
+        spoke_[next[f[i]]++] = {f[(i + 1) % 3], f[(i + 2) % 3]};
+  }
+  // Adds to `bad` the vertex and those around it that its faces fail to go round by.
+  bool one_fan(std::uint32_t v, std::vector<std::uint32_t> &bad) const {
+    const Spoke *first = spoke_.data() + start_[v], *last = spoke_.data() + start_[v + 1];
+    if (first == last) return true;
+    const std::size_t before = bad.size();
+    for (const Spoke *s = first; s != last; s++)
+      if (count_from(first, last, s->from) != 1 || count_from(first, last, s->to) != 1)
+        bad.push_back(count_from(first, last, s->from) != 1 ? s->from : s->to);
+    std::ptrdiff_t visited = 0;
+    if (bad.size() == before) {
+      const Spoke *at = first;
+      do {
+        const std::uint32_t to = at->to;
+        for (at = first; at->from != to;)
+          at++;
+        visited++;
+      } while (at != first && visited <= last - first);
+      if (visited == last - first) return true;
+    }
+    bad.push_back(v);
+    return false;
+  }
+  void around(std::uint32_t v, std::vector<std::uint32_t> &out) const {
+    for (std::uint32_t i = start_[v]; i < start_[v + 1]; i++)
+      out.push_back(spoke_[i].from), out.push_back(spoke_[i].to);
+  }
+
+private:
+  struct Spoke {
+    std::uint32_t from, to;
+  };
+  static int count_from(const Spoke *first, const Spoke *last, std::uint32_t from) {
+    int count = 0;
+    for (; first != last; first++)
+      count += first->from == from;
+    return count;
+  }
+  const Surface &surface_;
+  std::vector<std::uint32_t> start_;
+  std::vector<Spoke> spoke_;
+};
+
+// The clustered nodes that keep a surface from being a manifold.
+std::vector<NodeBox> spoilers(const Joined &joined) {
+  std::vector<std::uint32_t> all;
+  const Fans fans(joined.surface);
+  const auto clustered = [&](std::uint32_t v) { return (joined.key[v] & 7) == 0; };
+  for (std::uint32_t v = 0; v < joined.key.size(); v++) {
+    std::vector<std::uint32_t> bad;
+    if (fans.one_fan(v, bad)) continue;
+    if (std::none_of(bad.begin(), bad.end(), clustered)) fans.around(v, bad);
+    all.insert(all.end(), bad.begin(), bad.end());
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  std::vector<NodeBox> nodes;
+  for (const std::uint32_t v : all)
+    if (clustered(v)) nodes.push_back({node_of(joined.key[v]), node_of(joined.key[v])});
+  return nodes;
+}
+
+bool touches(const Chunk &chunk, const NodeBox &box) {
+  const glm::ivec3 low = box.low - chunk.first, high = box.high - chunk.first;
+  for (int axis = 0; axis < 3; axis++)
+    if (high[axis] < kHalo || low[axis] > kBlock + kHalo) return false;
+  return true;
+}
+
+bool is_met(const Chunk &chunk, const Apart &apart, const std::vector<NodeBox> &places) {
+  return apart.whole ||
+         std::any_of(places.begin(), places.end(), [&](const NodeBox &box) { return touches(chunk, box); });
+}
+
+struct Wanted {
+  std::uint32_t row, cell;
+  Chunk *chunk;
+};
+
+// Marches chunks of one row of the index again.
+template <class ApartOf>
+void march_row_again(const Scene &scene, const Index &index, const Wanted *wanted, std::size_t count,
+                     const ApartOf &apart_of) {
+  static thread_local BlockField field;
+  static thread_local Marcher marcher;
+  evaluate_block(scene, index, wanted->row, field);
+  for (const Wanted *w = wanted; w != wanted + count; w++)
+    for (std::size_t label = 0; label < field.label.size(); label++) {
+      if (field.label[label].cell != w->cell || field.label[label].lift != w->chunk->lift) continue;
+      const Apart &apart = apart_of(w->cell);
+      Chunk again;
+      marcher.run(
+          field, label, scene.grid.size, true, [&](const glm::ivec3 &node) { return apart.holds(node); },
+          again);
+      again.row = w->row;
+      *w->chunk = again; // a copy has no slack
+      break;
+    }
 }
 
 } // namespace
 
-std::vector<Surface> extract_surfaces(const Scene &scene, const Index &index,
-                                      const std::vector<glm::dvec3> &origin, Workers &workers,
-                                      const Progress &progress) {
-  std::vector<std::vector<Chunk>> blocks(index.block.size());
+Chunks march_blocks(const Scene &scene, const Index &index, bool cluster, Workers &workers,
+                    const Progress &progress) {
+  struct Marched {
+    std::uint32_t cell;
+    Chunk chunk;
+  };
+  std::vector<std::vector<Marched>> blocks(index.block.size());
   std::atomic<std::uint64_t> done{0};
   workers.loop(blocks.size(), 1, [&](std::size_t row, unsigned) {
     static thread_local BlockField field;
     static thread_local Marcher marcher;
+    static thread_local Chunk chunk;
     evaluate_block(scene, index, row, field);
-    for (std::size_t label = 0; label < field.label.size(); label++) {
-      Chunk chunk;
-      if (marcher.run(field, label, scene.grid.size, chunk)) blocks[row].push_back(std::move(chunk));
-    }
+    for (std::size_t label = 0; label < field.label.size(); label++)
+      if (marcher.run(field, label, scene.grid.size, cluster, {}, chunk)) {
+        chunk.row = static_cast<std::uint32_t>(row);
+        blocks[row].push_back({field.label[label].cell, chunk}); // a copy has no slack
+      }
     const std::uint64_t count = ++done;
     if (count % 64 == 0) report(progress, "mesh: extract", count, blocks.size());
   });
-  std::vector<std::vector<Chunk *>> of_cell(scene.cells);
+  Chunks chunks(scene.cells);
   for (auto &block : blocks)
-    for (Chunk &chunk : block)
-      of_cell[chunk.cell].push_back(&chunk);
-  std::vector<Surface> surfaces(scene.cells);
-  done = 0;
-  workers.loop(scene.cells, 1, [&](std::size_t cell, unsigned) {
-    surfaces[cell] = join(scene.grid, of_cell[cell], static_cast<std::uint32_t>(cell), origin[cell]);
-    report(progress, "mesh: join", ++done, scene.cells);
+    for (Marched &marched : block)
+      chunks[marched.cell].push_back(std::move(marched.chunk));
+  return chunks;
+}
+
+void march_again(const Scene &scene, const Index &index, const std::vector<std::uint32_t> &cells,
+                 const std::vector<Apart> &apart, const std::vector<std::vector<NodeBox>> &places,
+                 Workers &workers, Chunks &chunks) {
+  std::vector<Wanted> wanted;
+  for (const std::uint32_t cell : cells)
+    for (Chunk &chunk : chunks[cell])
+      if (is_met(chunk, apart[cell], places[cell])) wanted.push_back({chunk.row, cell, &chunk});
+  std::stable_sort(wanted.begin(), wanted.end(),
+                   [](const Wanted &l, const Wanted &r) { return l.row < r.row; });
+  std::vector<std::size_t> first; // of each row
+  for (std::size_t i = 0; i < wanted.size(); i++)
+    if (i == 0 || wanted[i].row != wanted[i - 1].row) first.push_back(i);
+  first.push_back(wanted.size());
+  workers.loop(first.size() - 1, 1, [&](std::size_t i, unsigned) {
+    march_row_again(scene, index, &wanted[first[i]], first[i + 1] - first[i],
+                    [&](std::uint32_t cell) -> const Apart & { return apart[cell]; });
   });
-  return surfaces;
+}
+
+Surface join_cell(const Scene &scene, const Index &index, std::uint32_t cell, const glm::dvec3 &origin,
+                  std::vector<Chunk> &chunks, Apart &apart) {
+  for (;;) {
+    Joined joined = put_together(scene.grid, cell, origin, chunks);
+    const std::vector<NodeBox> nodes = spoilers(joined);
+    const bool vanished = joined.surface.face.empty() && !chunks.empty() && !apart.whole;
+    if (nodes.empty() && !vanished) return std::move(joined.surface);
+    apart.whole |= vanished;
+    for (const NodeBox &node : nodes)
+      apart.add(node);
+    for (Chunk &chunk : chunks) {
+      if (!is_met(chunk, apart, nodes)) continue;
+      const Wanted wanted = {chunk.row, cell, &chunk};
+      march_row_again(scene, index, &wanted, 1, [&](std::uint32_t) -> const Apart & { return apart; });
+    }
+  }
 }
 
 } // namespace conceg::mesh

@@ -59,14 +59,14 @@ void axis_images(const Grid &grid, int axis, double low, double high, std::vecto
   const int blocks = grid.blocks()[axis], size = grid.size[axis];
   int lift0 = 0, lift1 = 0;
   if (grid.periodic[axis]) {
-    lift0 = static_cast<int>(std::ceil(-high / size));
-    lift1 = static_cast<int>(std::floor((size - low) / size));
+    lift0 = static_cast<int>(std::ceil((-kHalo - high) / size));
+    lift1 = static_cast<int>(std::floor((size + kHalo - low) / size));
   }
   for (int lift = lift0; lift <= lift1; lift++) {
     const double from = low + double(lift) * size - grid.low[axis],
                  to = high + double(lift) * size - grid.low[axis];
-    const int first = std::max(0, static_cast<int>(std::ceil((from - kBlock) / kBlock)));
-    const int last = std::min(blocks - 1, static_cast<int>(std::floor(to / kBlock)));
+    const int first = std::max(0, static_cast<int>(std::ceil((from - kBlock - kHalo) / kBlock)));
+    const int last = std::min(blocks - 1, static_cast<int>(std::floor((to + kHalo) / kBlock)));
     if (first <= last) out.push_back({lift, first, last});
   }
 }
@@ -77,7 +77,7 @@ bool block_feels(const Scene &scene, const Shape &shape, float reach, const glm:
   const Grid &grid = scene.grid;
   const glm::dvec3 centre = glm::dvec3(grid.low + block * kBlock - lift * grid.size) + 0.5 * kBlock;
   const glm::dvec3 scale(grid.scale);
-  const double diagonal = 0.5 * kBlock * glm::length(scale);
+  const double diagonal = (0.5 * kBlock + kHalo) * glm::length(scale);
   return shape_distance(shape, (centre - glm::dvec3(shape.a) / double(kFixed)) * scale) - diagonal <
          reach + 0.01;
 }
@@ -212,22 +212,25 @@ void evaluate_labels(const Scene &scene, const Index &index, std::size_t row, Bl
 // phi_i' = max(psi_i, (psi_i - m_i)/2 + g/2), m_i the smallest value of the others; then small values snap
 // upwards.
 void separate(BlockField &field, float gap, float snap) {
-  static thread_local std::vector<float> nearest, second;
-  nearest.assign(kNodes, kFar);
-  second.assign(kNodes, kFar);
+  field.nearest.assign(kNodes, kFar);
+  field.second.assign(kNodes, kFar);
+  field.owner.assign(kNodes, 0);
+  float *nearest = field.nearest.data(), *second = field.second.data();
+  std::uint32_t *owner = field.owner.data();
   const float half_gap = 0.5f * gap;
   for (std::size_t label = 0; label < field.label.size(); label++) {
     const float *value = field.of(label);
     for (int i = 0; i < kNodes; i++) {
       const float v = value[i], larger = v > nearest[i] ? v : nearest[i];
       second[i] = larger < second[i] ? larger : second[i];
+      owner[i] = v < nearest[i] ? static_cast<std::uint32_t>(label) : owner[i];
       nearest[i] = v < nearest[i] ? v : nearest[i];
     }
   }
   for (std::size_t label = 0; label < field.label.size(); label++) {
     float *value = field.of(label);
     for (int i = 0; i < kNodes; i++) {
-      const float v = value[i], other = v == nearest[i] ? second[i] : nearest[i];
+      const float v = value[i], other = owner[i] == label ? second[i] : nearest[i];
       const float split = 0.5f * (v - other) + half_gap;
       const float apart = split > v ? split : v;
       value[i] = apart < snap && apart > -snap ? snap : apart;
@@ -272,8 +275,8 @@ void evaluate_block(const Scene &scene, const Index &index, std::size_t row, Blo
   const glm::ivec3 blocks = grid.blocks();
   const int block = static_cast<int>(index.block[row]);
   const glm::ivec3 at(block % blocks.x, block / blocks.x % blocks.y, block / (blocks.x * blocks.y));
-  out.first = grid.low + at * kBlock;
-  out.cubes = glm::min(glm::ivec3(kBlock), grid.high - out.first);
+  out.first = grid.low + at * kBlock - kHalo;
+  out.cubes = glm::min(glm::ivec3(kBlock), grid.high - (out.first + kHalo));
   out.label.clear();
   out.value.clear();
   evaluate_labels(scene, index, row, out);

@@ -9,7 +9,8 @@
 
 namespace conceg::mesh {
 
-constexpr int kRow = kBlock + 1; // nodes along the edge of a block
+constexpr int kHalo = 1;                     // nodes around a block, so that all edges of its nodes are in it
+constexpr int kRow = kBlock + 1 + 2 * kHalo; // nodes along the edge of a block with its halo
 constexpr int kNodes = kRow * kRow * kRow;
 constexpr float kFar = 1e9f; // value of nodes out of reach
 
@@ -36,12 +37,19 @@ struct Label {
 
 // The labels of one block and their separated values, node (x, y, z) at (z * kRow + y) * kRow + x.
 struct BlockField {
-  glm::ivec3 first{}; // node at local (0, 0, 0)
-  glm::ivec3 cubes{}; // cubes of this block, at most kBlock on each axis
+  glm::ivec3 first{}; // node at local (0, 0, 0), which is in the halo
+  glm::ivec3 cubes{}; // cubes of this block, at most kBlock on each axis; the first is at local (1, 1, 1)
   std::vector<Label> label;
-  std::vector<float> value; // label.size() * kNodes, units of distance
+  std::vector<float> value;           // label.size() * kNodes, units of distance
+  std::vector<float> nearest, second; // per node: smallest and second smallest value before the separation
+  std::vector<std::uint32_t> owner;   // per node: the label of the smallest
   float *of(std::size_t i) { return value.data() + i * kNodes; }
   const float *of(std::size_t i) const { return value.data() + i * kNodes; }
+  // How far the nearest other label is from a node.
+  float other(std::size_t i, int node) const {
+    const auto n = static_cast<std::size_t>(node);
+    return owner[n] == i ? second[n] : nearest[n];
+  }
 };
 
 // Evaluates the row-th block of the index; `out` is reused storage.

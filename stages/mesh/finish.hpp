@@ -1,28 +1,40 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From base meshes to the meshes that are written: simplify, check, and where the check finds something go
-// back to the base mesh around that place, until the check finds nothing. A gap below half of the wanted one
-// counts as a find: the base mesh keeps gap / 1.91.
+// From chunks to the meshes that are written: join, simplify, check, and where the check finds something go
+// back to the base mesh around that place, until the check finds nothing. A gap below a third of the wanted
+// one counts as a find: the base mesh keeps gap / 1.91.
 #pragma once
 
 #include "check.hpp"
+#include "components.hpp"
+#include "extract.hpp"
 
 namespace conceg::mesh {
 
+constexpr double kLeastGap = 1.0 / 3; // of the gap that is asked: what the written meshes keep at least
+
 struct FinishOptions {
-  double tolerance = 0.02; // um; 0 = the base meshes as they are
-  double gap = 0.04;       // um
-  double h = 0.25;         // um, width of the first zone around a crossing that is left as it was
+  double tolerance = 0.05; // um, where neighbours are far; 0 = no simplification
+  double gap = 0.06;       // um
+  bool cluster = true;     // false: the base mesh is simplified
   int rounds = 5;          // the last one takes the whole base mesh of every cell that still crosses
 };
 
 struct Finished {
-  std::vector<Surface> surfaces;
+  std::vector<Surface> surfaces;    // of the cells that have one
+  std::vector<Pieces> pieces;       // per cell
   CheckResult check;                // of the surfaces returned
   int rounds = 0;                   // repair rounds that were needed
   std::uint64_t repaired_pairs = 0; // crossings, folds and narrow gaps found on the way
+  std::uint64_t base_faces = 0;     // before simplification
 };
 
-Finished finish(const std::vector<Surface> &base, const conceg_box &box, const FinishOptions &options,
-                Workers &workers, const Progress &progress);
+// Surface of cell i relative to origin[i], its soma at soma[i] (um, unwrapped).
+struct Origins {
+  const std::vector<glm::dvec3> &origin, &soma;
+  const std::vector<float> &soma_radius;
+};
+
+Finished finish(const Scene &scene, const Index &index, const Origins &origins, const conceg_box &box,
+                const FinishOptions &options, Workers &workers, const Progress &progress);
 
 } // namespace conceg::mesh

@@ -76,8 +76,9 @@ private:
 
 class Simplifier {
 public:
-  Simplifier(const Surface &base, double tolerance, const std::vector<std::uint8_t> &locked)
-      : base_(base), limit_(kMean * kMean * tolerance * tolerance), locked_(locked), face_(base.face) {
+  Simplifier(const Surface &base, const std::vector<float> &tolerance) : base_(base), face_(base.face) {
+    for (const float t : tolerance)
+      limit_.push_back(static_cast<float>(kMean * kMean * t * t));
     origin_ = base.vertex.empty() ? glm::dvec3(0) : glm::dvec3(base.vertex[0]);
     for (const glm::vec3 &v : base.vertex)
       position_.push_back(glm::dvec3(v) - origin_);
@@ -104,7 +105,6 @@ public:
 
 private:
   bool gone(std::uint32_t v) const { return count_[v] == 0; }
-  bool is_locked(std::uint32_t v) const { return !locked_.empty() && locked_[v]; }
   glm::dvec3 corner(std::uint32_t face, int i) const { return position_[face_[face][i]]; }
 
   void build_rings() {
@@ -141,12 +141,13 @@ private:
   }
 
   void queue_edge(std::uint32_t a, std::uint32_t b) {
-    if (is_locked(a) || is_locked(b)) return;
+    const double limit = std::min(limit_[a], limit_[b]);
+    if (!(limit > 0)) return;
     Quadric q = quadric_[a];
     q.add(quadric_[b]);
     const double error = q.at(best_point(q, a, b)) / q.weight();
-    if (!(error < limit_)) return;
-    const double share = std::sqrt(std::max(0.0, error) / limit_);
+    if (!(error < limit)) return;
+    const double share = std::sqrt(std::max(0.0, error) / limit);
     queue_.push(std::min(kBuckets - 1, static_cast<int>(share * kBuckets)),
                 {a, b, version_[a] + version_[b]});
   }
@@ -215,11 +216,34 @@ private:
     return true;
   }
 
+  // Moves x along the mean normal so that the collapse of a-b to it leaves the enclosed volume as it is: with
+  // the corners p, q of the faces that stay, in order, sum x.(p x q) = sum over the old faces of b.(p x q),
+  // all seen from a (Lindstrom and Turk 1998).
+  glm::dvec3 keep_volume(std::uint32_t a, std::uint32_t b, const glm::dvec3 &x) const {
+    const glm::dvec3 from = position_[a];
+    glm::dvec3 normal(0);
+    double six_volume = 0;
+    for (const std::uint32_t v : {a, b})
+      for (std::uint32_t i = 0; i < count_[v]; i++) {
+        const glm::uvec3 &f = face_[pool_[first_[v] + i]];
+        const std::uint32_t other = v == a ? b : a;
+        if (f.x == other || f.y == other || f.z == other) continue;
+        const int k = f.x == v ? 0 : f.y == v ? 1 : 2;
+        const glm::dvec3 side =
+            cross_product(position_[f[(k + 1) % 3]] - from, position_[f[(k + 2) % 3]] - from);
+        normal += side;
+        if (v == b) six_volume += glm::dot(position_[b] - from, side);
+      }
+    const double length2 = glm::dot(normal, normal);
+    return length2 > 0 ? x + normal * ((six_volume - glm::dot(x - from, normal)) / length2) : x;
+  }
+
   void try_collapse(std::uint32_t a, std::uint32_t b) {
     if (count_[a] + count_[b] > kValence + 4 || !link_holds(a, b)) return;
     Quadric q = quadric_[a];
     q.add(quadric_[b]);
-    const glm::dvec3 x = best_point(q, a, b);
+    const glm::dvec3 x = keep_volume(a, b, best_point(q, a, b));
+    if (!(q.at(x) < std::min(limit_[a], limit_[b]) * q.weight())) return;
     double least_old = 1, least_new = 1;
     if (!faces_hold(a, b, x, least_old, least_new) || !faces_hold(b, a, x, least_old, least_new)) return;
     if (least_new < std::min(kShape, least_old)) return;
@@ -243,7 +267,7 @@ private:
       ring_.push_back(f);
     }
     store_ring(a, b);
-    position_[a] = x, quadric_[a] = q;
+    position_[a] = x, quadric_[a] = q, limit_[a] = std::min(limit_[a], limit_[b]);
     version_[a]++, version_[b]++;
     stamp_ += 2;
     for (const std::uint32_t f : ring_)
@@ -295,8 +319,7 @@ private:
   }
 
   const Surface &base_;
-  double limit_; // of the mean squared distance to the planes
-  const std::vector<std::uint8_t> &locked_;
+  std::vector<float> limit_; // of the mean squared distance to the planes
   glm::dvec3 origin_{};
   std::vector<glm::dvec3> position_;
   std::vector<Quadric> quadric_;
@@ -308,10 +331,9 @@ private:
 
 } // namespace
 
-Surface simplify(const Surface &base, double tolerance, const std::vector<std::uint8_t> &locked,
+Surface simplify(const Surface &base, const std::vector<float> &tolerance,
                  const std::function<bool()> &keep_going) {
-  if (!(tolerance > 0) || base.face.empty()) return base;
-  return Simplifier(base, tolerance, locked).run(keep_going);
+  return Simplifier(base, tolerance).run(keep_going);
 }
 
 } // namespace conceg::mesh

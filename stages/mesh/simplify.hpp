@@ -11,9 +11,9 @@
 
 namespace conceg::mesh {
 
-// Locked vertices (empty = none) stay where they are with all their faces. `keep_going` is asked now and
-// then; false stops with an unfinished (still valid) surface.
-Surface simplify(const Surface &base, double tolerance, const std::vector<std::uint8_t> &locked,
+// `tolerance` (um) of each vertex; those with 0 stay where they are with all their faces. `keep_going` is
+// asked now and then; false stops with an unfinished (still valid) surface.
+Surface simplify(const Surface &base, const std::vector<float> &tolerance,
                  const std::function<bool()> &keep_going);
 
 } // namespace conceg::mesh

@@ -20,15 +20,19 @@ using namespace conceg::mesh;
 const conceg_param parameters[] = {
     {"h_um", "um", "largest step of the common grid; tubes thinner than 0.92 of it may break", "0.16",
      nullptr, CONCEG_PARAM_F64, 0, 0.01, 100},
-    {"gap_um", "um", "gap between cells in contact; the meshes keep at least half of it", "0.04", nullptr,
+    {"gap_um", "um", "gap between cells in contact; the meshes keep at least a third of it", "0.06", nullptr,
      CONCEG_PARAM_F64, 0, 0.001, 10},
     {"inflate_um", "um",
      "widens all cells before they are separated: packing control (at most a quarter of the radius)", "0",
      nullptr, CONCEG_PARAM_F64, 0, 0, 10},
     {"smooth_k", "1", "width of the fillet at forks and at the soma over the local radius", "0.3", nullptr,
      CONCEG_PARAM_F64, 0, 0, 2},
-    {"tolerance_um", "um", "how far simplification may move a surface, at most gap_um / 2; 0 = the base mesh",
-     "0.02", nullptr, CONCEG_PARAM_F64, 0, 0, 10},
+    {"cluster", "",
+     "light mesh: crossings of the grid that lie nearest to one node become one vertex; false = base mesh",
+     "true", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
+    {"tolerance_um", "um",
+     "how far simplification may move a surface where no other is near; 0 = no simplification", "0.05",
+     nullptr, CONCEG_PARAM_F64, 0, 0, 10},
     {"volumes", "", "write label and distance volumes", "true", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"volume_step_um", "um", "largest voxel of the volumes; 0 = twice h_um", "0", nullptr, CONCEG_PARAM_F64,
      0, 0, 100},
@@ -83,10 +87,10 @@ Tissue read_tissue(conceg_doc *doc) {
   return tissue;
 }
 
-// What the base mesh will take, from the area of the primitives: 9 faces per step^2, and about 80 bytes a
-// face in all.
-void predict_cost(conceg_ctx *ctx, const Scene &scene) {
-  const double unit = scene.grid.unit, faces = 9 * primitive_area(scene), bytes = 100 * faces;
+// What the mesh will take, from the area of the primitives: faces per step^2, and bytes a face in all.
+void predict_cost(conceg_ctx *ctx, const Scene &scene, bool light) {
+  const double unit = scene.grid.unit, faces = (light ? 3 : 9) * primitive_area(scene),
+               bytes = (light ? 60 : 100) * faces;
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
                  "mesh: %.0f um2 of membrane on a grid of %.3f um: about %.2g faces before simplification",
                  primitive_area(scene) * unit * unit, unit, faces);
@@ -112,13 +116,11 @@ void warn_thin(conceg_ctx *ctx, const Scene &scene) {
                    scene.thin_points[worst]);
 }
 
-std::vector<Pieces> keep_pieces(conceg_ctx *ctx, const Tissue &tissue, std::vector<Surface> &base,
-                                Workers &workers) {
-  std::vector<Pieces> pieces(base.size());
-  workers.loop(base.size(), 1, [&](std::size_t i, unsigned) {
-    pieces[i] = keep_soma_piece(base[i], tissue.soma[i] - base[i].origin, tissue.soma_radius[i] > 0);
-  });
-  for (std::size_t i = 0; i < base.size(); i++) {
+void report_pieces(conceg_ctx *ctx, const std::vector<Pieces> &pieces, const std::vector<Surface> &surfaces) {
+  std::vector<std::uint8_t> there(pieces.size());
+  for (const Surface &surface : surfaces)
+    there[surface.cell] = 1;
+  for (std::size_t i = 0; i < pieces.size(); i++) {
     const Pieces &p = pieces[i];
     if (p.detached)
       conceg_ctx_log(ctx, CONCEG_LOG_INFO,
@@ -130,11 +132,10 @@ std::vector<Pieces> keep_pieces(conceg_ctx *ctx, const Tissue &tissue, std::vect
     if (!p.soma_found)
       conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
                      "mesh: cell %zu: no piece holds the soma's centre; the largest one was kept", i);
-    if (base[i].face.empty())
+    if (!there[i])
       conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "mesh: cell %zu: nothing of it is large enough for the grid",
                      i);
   }
-  return pieces;
 }
 
 template <class T> T *fill(conceg_doc *doc, const char *path, std::uint64_t rows, std::uint64_t columns = 1) {
@@ -223,21 +224,22 @@ void write_volumes(conceg_doc *doc, const Volume &volume) {
   put(doc, "/volumes/distance", volume.distance, kLeafVoxels);
 }
 
-void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done,
-                   const std::vector<Pieces> &pieces, std::size_t base_faces) {
+void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done) {
   std::size_t faces = 0;
   double total = 0, cut = 0;
   for (const Surface &surface : done.surfaces)
     faces += surface.face.size(), total += volume_of(surface);
-  for (const Pieces &p : pieces)
+  for (const Pieces &p : done.pieces)
     cut += p.detached_volume;
-  conceg_ctx_log(
-      ctx, CONCEG_LOG_INFO,
-      "mesh: %zu surfaces, %zu faces (base mesh %zu), %llu pairs checked, 0 crossings, %llu places repaired "
-      "in %d rounds, "
-      "cells fill %.4f of the box",
-      done.surfaces.size(), faces, base_faces, static_cast<unsigned long long>(done.check.pairs_checked),
-      static_cast<unsigned long long>(done.repaired_pairs), done.rounds, total / volume(tissue.box));
+  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                 "mesh: %zu surfaces, %zu faces (%llu before simplification), %llu pairs checked, 0 "
+                 "crossings, %llu places repaired "
+                 "in %d rounds, "
+                 "cells fill %.4f of the box",
+                 done.surfaces.size(), faces, static_cast<unsigned long long>(done.base_faces),
+                 static_cast<unsigned long long>(done.check.pairs_checked),
+                 static_cast<unsigned long long>(done.repaired_pairs), done.rounds,
+                 total / volume(tissue.box));
   if (cut > 0.01 * total)
     conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
                    "mesh: pieces cut off from their somas hold %.2f %% of the cell volume and are left out",
@@ -258,10 +260,11 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   options.gap = conceg_params_f64(params, "gap_um");
   options.inflate = conceg_params_f64(params, "inflate_um");
   options.smooth = conceg_params_f64(params, "smooth_k");
+  options.cluster = conceg_params_bool(params, "cluster") != 0;
   Workers workers(conceg_ctx_threads(ctx));
   const Progress progress = progress_of(ctx);
   const Scene scene = make_scene(tissue, options);
-  predict_cost(ctx, scene);
+  predict_cost(ctx, scene, options.cluster);
   warn_thin(ctx, scene);
   const Index index = make_index(scene, workers, progress);
   workers.count(ctx, "mesh.index");
@@ -270,23 +273,14 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   std::vector<glm::dvec3> origin;
   for (const glm::dvec3 &soma : tissue.soma)
     origin.push_back(snap(soma));
-  std::vector<Surface> base = extract_surfaces(scene, index, origin, workers, progress);
-  workers.count(ctx, "mesh.blocks");
-  const std::vector<Pieces> pieces = keep_pieces(ctx, tissue, base, workers);
-  base.erase(
-      std::remove_if(base.begin(), base.end(), [](const Surface &surface) { return surface.face.empty(); }),
-      base.end());
-  std::size_t base_faces = 0;
-  for (const Surface &surface : base)
-    base_faces += surface.face.size();
-
   FinishOptions finish_options;
   finish_options.tolerance = conceg_params_f64(params, "tolerance_um");
   finish_options.gap = options.gap;
-  finish_options.h = scene.grid.unit;
-  const Finished done = finish(base, tissue.box, finish_options, workers, progress);
-  workers.count(ctx, "mesh.check");
-  std::vector<Surface>().swap(base);
+  finish_options.cluster = options.cluster;
+  const Finished done = finish(scene, index, {origin, tissue.soma, tissue.soma_radius}, tissue.box,
+                               finish_options, workers, progress);
+  workers.count(ctx, "mesh.surfaces");
+  report_pieces(ctx, done.pieces, done.surfaces);
   if (done.check.errors)
     for (const Defect &defect : done.check.defects)
       if (defect.flaw != Flaw::near)
@@ -298,9 +292,9 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   must(conceg_doc_drop(doc, "/volumes"));
   write_geometry(doc, done.surfaces);
   write_faces(doc, scene, index, done.surfaces, workers);
-  write_measures(doc, tissue, scene, done.surfaces, done.check, pieces, options.gap);
+  write_measures(doc, tissue, scene, done.surfaces, done.check, done.pieces, options.gap);
   workers.count(ctx, "mesh.faces");
-  report_result(ctx, tissue, done, pieces, base_faces);
+  report_result(ctx, tissue, done);
 
   const char *vdb = conceg_params_text(params, "vdb");
   const bool wanted = conceg_params_bool(params, "volumes") != 0;
@@ -315,11 +309,6 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
 
 conceg_status check(conceg_ctx *ctx, conceg_doc *, const conceg_params *params) {
   return guard(ctx, "mesh", [&] {
-    const double tolerance = conceg_params_f64(params, "tolerance_um"),
-                 gap = conceg_params_f64(params, "gap_um");
-    if (tolerance > 0.5 * gap)
-      fail(CONCEG_E_RANGE, "tolerance_um: expected at most half of gap_um (%g), got %g; cells would cross",
-           0.5 * gap, tolerance);
     if (*conceg_params_text(params, "vdb") && !vdb_available())
       fail(CONCEG_E_UNSUPPORTED,
            "vdb: this build has no OpenVDB; install libopenvdb-dev and build again, or leave --vdb out");

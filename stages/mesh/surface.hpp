@@ -18,6 +18,7 @@ struct Surface {
   glm::dvec3 origin{};           // um, on the lattice
   std::vector<glm::vec3> vertex; // um, relative to origin
   std::vector<glm::uvec3> face;  // outward
+  std::vector<float> room;       // um from each vertex to the nearest other label; empty when not known
   glm::dvec3 at(std::uint32_t i) const { return origin + glm::dvec3(vertex[i]); }
 };
 

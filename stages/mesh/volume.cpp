@@ -17,7 +17,7 @@ struct Leaf {
 bool fill_leaf(const BlockField &field, const glm::ivec3 &corner, const glm::ivec3 &shape, float band,
                float unit, Leaf &leaf) {
   bool holds = false;
-  leaf.origin = field.first + corner;
+  leaf.origin = field.first + kHalo + corner;
   std::fill(leaf.label, leaf.label + kLeafVoxels, 0u);
   std::fill(leaf.distance, leaf.distance + kLeafVoxels, band * unit);
   for (int x = 0, voxel = 0; x < kLeaf; x++)
@@ -25,7 +25,7 @@ bool fill_leaf(const BlockField &field, const glm::ivec3 &corner, const glm::ive
       for (int z = 0; z < kLeaf; z++, voxel++) {
         const glm::ivec3 at = leaf.origin + glm::ivec3(x, y, z);
         if (at.x >= shape.x || at.y >= shape.y || at.z >= shape.z) continue;
-        const int node = ((corner.z + z) * kRow + corner.y + y) * kRow + corner.x + x;
+        const int node = ((corner.z + z + kHalo) * kRow + corner.y + y + kHalo) * kRow + corner.x + x + kHalo;
         float nearest = band;
         for (std::size_t label = 0; label < field.label.size(); label++) {
           const float value = field.of(label)[node];

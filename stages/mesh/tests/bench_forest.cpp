@@ -43,7 +43,7 @@ int main(int argc, char **argv) {
   using namespace conceg::mesh;
   const auto number = [&](int i, double fallback) { return argc > i ? std::atof(argv[i]) : fallback; };
   const unsigned threads = static_cast<unsigned>(number(1, 2));
-  const double side = number(3, 40), volume = side * side * side, tolerance = number(4, 0.02);
+  const double side = number(3, 40), volume = side * side * side, tolerance = number(4, 0.05);
   SceneOptions options;
   options.h = number(2, 0.25);
   const auto cells = static_cast<unsigned>(volume / 8000);
@@ -53,36 +53,29 @@ int main(int argc, char **argv) {
   const Scene scene = make_scene(tissue, options);
   const Index index = make_index(scene, workers, {});
   clock.lap("index");
-  std::vector<Surface> base = extract_surfaces(scene, index, tissue.soma, workers, {});
-  clock.lap("extract");
-  const std::size_t raw = faces(base);
-  double detached = 0, base_volume = 0;
-  for (auto &surface : base)
-    detached += keep_soma_piece(surface, glm::dvec3(0), true).detached_volume;
-  for (const auto &surface : base)
-    base_volume += volume_of(surface);
-  clock.lap("pieces");
   FinishOptions finish_options;
-  finish_options.h = scene.grid.unit, finish_options.tolerance = tolerance;
-  const Finished done = finish(base, tissue.box, finish_options, workers, {});
+  finish_options.tolerance = tolerance;
+  const Finished done = finish(scene, index, {tissue.soma, tissue.soma, tissue.soma_radius}, tissue.box,
+                               finish_options, workers, {});
   clock.lap("finish");
   for (const auto &surface : done.surfaces)
     label_faces(scene, index, surface, workers);
   clock.lap("faces");
-  double final_volume = 0, gap = 1;
+  double final_volume = 0, detached = 0, gap = 1;
+  for (const Pieces &p : done.pieces)
+    detached += p.detached_volume;
   for (const auto &surface : done.surfaces)
     final_volume += volume_of(surface);
   for (const double g : done.check.min_gap)
     gap = std::min(gap, g);
   rusage usage;
   getrusage(RUSAGE_SELF, &usage);
-  std::printf("h %.4f um, %zu cones, %zu cells: %zu raw triangles, %zu kept, %zu final\n", scene.grid.unit,
-              scene.cone.size(), tissue.cells(), raw, faces(base), faces(done.surfaces));
-  std::printf("fill %.4f (%+.3f %% by simplification), detached %.4f, min gap %.4f um, %llu pairs, %llu "
+  std::printf("h %.4f um, %zu cones, %zu cells: %llu before simplification, %zu final\n", scene.grid.unit,
+              scene.cone.size(), tissue.cells(), (unsigned long long)done.base_faces, faces(done.surfaces));
+  std::printf("fill %.4f, detached %.4f, min gap %.4f um, %llu pairs, %llu "
               "flaws, %d rounds, %llu repaired\n",
-              base_volume / volume, 100 * (final_volume / base_volume - 1), detached / volume, gap,
-              (unsigned long long)done.check.pairs_checked, (unsigned long long)done.check.errors,
-              done.rounds, (unsigned long long)done.repaired_pairs);
+              final_volume / volume, detached / volume, gap, (unsigned long long)done.check.pairs_checked,
+              (unsigned long long)done.check.errors, done.rounds, (unsigned long long)done.repaired_pairs);
   for (std::size_t i = 0; i < std::min<std::size_t>(5, done.check.defects.size()); i++)
     std::printf("  %s\n", describe(done.check.defects[i], done.surfaces).c_str());
   std::printf("peak %.0f MB\n", double(usage.ru_maxrss) / 1024);

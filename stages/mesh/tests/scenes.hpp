@@ -5,6 +5,7 @@
 #include "components.hpp"
 #include "conceg/rng.h"
 #include "extract.hpp"
+#include "finish.hpp"
 
 #include <glm/geometric.hpp>
 
@@ -93,20 +94,35 @@ inline Tissue forest(double side, unsigned cells, double cable_per_cell, std::ui
 struct Meshed {
   Scene scene;
   Index index;
-  std::vector<Surface> surfaces;
+  std::vector<Surface> surfaces; // per cell
 };
 
-inline Meshed mesh_of(const Tissue &tissue, const SceneOptions &options, unsigned threads = 1,
-                      bool keep_all = true) {
+// The base mesh, or with `cluster` the light mesh, before simplification.
+inline Meshed mesh_of(const Tissue &tissue, SceneOptions options, unsigned threads = 1, bool keep_all = true,
+                      bool cluster = false) {
+  options.cluster = cluster;
   conceg::Workers workers(threads);
   Meshed out;
   out.scene = make_scene(tissue, options);
   out.index = make_index(out.scene, workers, {});
-  out.surfaces = extract_surfaces(out.scene, out.index, tissue.soma, workers, {});
-  if (!keep_all)
-    for (std::size_t cell = 0; cell < tissue.cells(); cell++)
-      keep_soma_piece(out.surfaces[cell], glm::dvec3(0), tissue.soma_radius[cell] > 0);
+  Chunks chunks = march_blocks(out.scene, out.index, cluster, workers, {});
+  std::vector<Apart> apart(tissue.cells());
+  for (std::uint32_t cell = 0; cell < tissue.cells(); cell++) {
+    out.surfaces.push_back(
+        join_cell(out.scene, out.index, cell, tissue.soma[cell], chunks[cell], apart[cell]));
+    if (!keep_all) keep_soma_piece(out.surfaces[cell], glm::dvec3(0), tissue.soma_radius[cell] > 0);
+  }
   return out;
+}
+
+inline Finished finish_tissue(const Tissue &tissue, SceneOptions scene_options, const FinishOptions &options,
+                              unsigned threads = 1) {
+  scene_options.cluster = options.cluster;
+  conceg::Workers workers(threads);
+  const Scene scene = make_scene(tissue, scene_options);
+  const Index index = make_index(scene, workers, {});
+  return finish(scene, index, {tissue.soma, tissue.soma, tissue.soma_radius}, tissue.box, options, workers,
+                {});
 }
 
 } // namespace scenes

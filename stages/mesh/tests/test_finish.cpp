@@ -53,7 +53,9 @@ void simplified_stays_near() {
   options.h = 0.2;
   const Meshed mesh = mesh_of(tissue, options);
   for (const double tolerance : {0.01, 0.02, 0.04, 0.08}) {
-    const Surface light = simplify(mesh.surfaces[0], tolerance, {}, {});
+    const Surface light =
+        simplify(mesh.surfaces[0],
+                 std::vector<float>(mesh.surfaces[0].vertex.size(), static_cast<float>(tolerance)), {});
     std::printf("tolerance %.3f: %zu -> %zu faces, there %.4f, back %.4f um\n", tolerance,
                 mesh.surfaces[0].face.size(), light.face.size(), farthest(light, mesh.surfaces[0]),
                 farthest(mesh.surfaces[0], light));
@@ -63,43 +65,83 @@ void simplified_stays_near() {
     CHECK_NEAR(volume_of(light), volume_of(mesh.surfaces[0]), 0.25 * tolerance * area_of(mesh.surfaces[0]));
     CHECK_EQUAL(euler_characteristic(light), 2);
   }
-  const std::vector<std::uint8_t> locked(mesh.surfaces[0].vertex.size(), 1);
-  CHECK_EQUAL(simplify(mesh.surfaces[0], 0.02, locked, {}).face.size(), mesh.surfaces[0].face.size());
+  const std::vector<float> locked(mesh.surfaces[0].vertex.size());
+  CHECK_EQUAL(simplify(mesh.surfaces[0], locked, {}).face.size(), mesh.surfaces[0].face.size());
 }
 
-Finished finish_forest(const Tissue &tissue, double tolerance, unsigned threads,
-                       std::size_t *base_faces = nullptr) {
+Finished finish_forest(const Tissue &tissue, double tolerance, unsigned threads, bool cluster = true,
+                       double gap = 0.06) {
   SceneOptions options;
   options.h = 0.25;
-  const Meshed mesh = mesh_of(tissue, options, threads, false);
-  if (base_faces) *base_faces = faces(mesh.surfaces);
-  conceg::Workers workers(threads);
   FinishOptions finish_options;
-  finish_options.tolerance = tolerance;
-  return finish(mesh.surfaces, tissue.box, finish_options, workers, {});
+  finish_options.tolerance = tolerance, finish_options.cluster = cluster, finish_options.gap = gap,
+  finish_options.rounds = 2;
+  return finish_tissue(tissue, options, finish_options, threads);
 }
 
-void forest_is_light_and_sound() {
-  const Tissue tissue = forest(20, 2, 1200, 3);
-  std::size_t base = 0;
-  const Finished one = finish_forest(tissue, 0.02, 1, &base), three = finish_forest(tissue, 0.02, 3);
-  CHECK_EQUAL(one.check.errors, 0);
-  CHECK(faces(one.surfaces) < base / 3);
-  for (const double gap : one.check.min_gap)
-    CHECK(gap >= 0.02);
-  CHECK_EQUAL(one.surfaces.size(), three.surfaces.size());
+void same_bytes(const Finished &one, const Finished &other) {
+  CHECK_EQUAL(one.surfaces.size(), other.surfaces.size());
   for (std::size_t i = 0; i < one.surfaces.size(); i++) {
-    const Surface &a = one.surfaces[i], &b = three.surfaces[i];
+    const Surface &a = one.surfaces[i], &b = other.surfaces[i];
     CHECK(a.vertex.size() == b.vertex.size() && a.face.size() == b.face.size() &&
           std::memcmp(a.vertex.data(), b.vertex.data(), a.vertex.size() * sizeof a.vertex[0]) == 0 &&
           std::memcmp(a.face.data(), b.face.data(), a.face.size() * sizeof a.face[0]) == 0);
   }
-  // Far too much tolerance: surfaces cross after simplification, and the repair brings them apart again.
-  const Finished rough = finish_forest(tissue, 0.2, 2);
-  CHECK(rough.repaired_pairs > 0 && rough.rounds > 0);
-  CHECK_EQUAL(rough.check.errors, 0);
-  for (const double gap : rough.check.min_gap)
+}
+
+void sound_and_apart(const Finished &done) {
+  CHECK_EQUAL(done.check.errors, 0);
+  for (const double gap : done.check.min_gap)
     CHECK(gap >= 0.02);
+}
+
+double volume(const Finished &done) {
+  double sum = 0;
+  for (const Surface &surface : done.surfaces)
+    sum += volume_of(surface);
+  return sum;
+}
+
+// The light mesh: a third of the faces, the same tissue; simplified further where neighbours are far.
+void forest_is_light_and_sound() {
+  const Tissue tissue = forest(20, 2, 1200, 3);
+  const Finished one = finish_forest(tissue, 0.05, 1), three = finish_forest(tissue, 0.05, 3);
+  sound_and_apart(one);
+  same_bytes(one, three);
+  const Finished base = finish_forest(tissue, 0, 2, false), clustered = finish_forest(tissue, 0, 2);
+  sound_and_apart(base), sound_and_apart(clustered);
+  CHECK(faces(clustered.surfaces) < 0.34 * double(faces(base.surfaces)));
+  CHECK(faces(one.surfaces) < 0.15 * double(faces(base.surfaces)));
+  std::printf("forest: base %zu faces, light %zu, simplified %zu; volumes %.1f %.1f %.1f\n",
+              faces(base.surfaces), faces(clustered.surfaces), faces(one.surfaces), volume(base),
+              volume(clustered), volume(one));
+  // A light mesh differs from the base mesh by the corners that a cluster cuts.
+  CHECK_NEAR(volume(clustered) / volume(base), 1, 0.02);
+  // A gap is asked for that no mesh keeps: the repair ends at the base mesh, and that is sound.
+  const Finished wide = finish_forest(tissue, 0.05, 2, true, 0.3);
+  CHECK(wide.repaired_pairs > 0 && wide.rounds > 0);
+  CHECK_EQUAL(wide.check.errors, 0);
+  CHECK(faces(wide.surfaces) > 2 * faces(clustered.surfaces));
+  for (const double gap : wide.check.min_gap)
+    CHECK(gap >= 0.06 / 1.91);
+}
+
+// A check of what was replaced finds what a check of everything finds.
+void checking_again_is_checking() {
+  const Tissue tissue = forest(20, 2, 600, 3);
+  SceneOptions options;
+  options.h = 0.3;
+  std::vector<Surface> surfaces = mesh_of(tissue, options, 2, true, true).surfaces;
+  conceg::Workers workers(2);
+  CheckResult result = check_surfaces(surfaces, tissue.box, {}, workers, {});
+  surfaces[1].origin += glm::dvec3(0.3, 0, 0);
+  check_again(surfaces, {0, 1}, tissue.box, {}, workers, {}, result);
+  const CheckResult whole = check_surfaces(surfaces, tissue.box, {}, workers, {});
+  CHECK(whole.crossings > 0);
+  CHECK_EQUAL(result.crossings, whole.crossings);
+  CHECK_EQUAL(result.defects.size(), whole.defects.size());
+  for (std::size_t s = 0; s < surfaces.size(); s++)
+    CHECK_NEAR(result.min_gap[s], whole.min_gap[s], 0);
 }
 
 void faces_know_where_they_belong() {
@@ -176,6 +218,7 @@ void memory_stays_bounded() {
 int main() {
   simplified_stays_near();
   forest_is_light_and_sound();
+  checking_again_is_checking();
   faces_know_where_they_belong();
   volumes_agree_with_meshes();
   memory_stays_bounded();

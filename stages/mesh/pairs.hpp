@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Part of the check: pairs of faces on a uniform hash of the torus, slab after slab.
+#pragma once
+
+#include "check.hpp"
+
+namespace conceg::mesh {
+
+// Tests all pairs of faces of which at least one belongs to a surface with `changed`; surfaces that are not
+// `usable` are left out. Adds to defects, gaps and pairs_checked.
+void check_pairs(const std::vector<Surface> &surfaces, const std::vector<std::uint8_t> &usable,
+                 const std::vector<std::uint8_t> &changed, const conceg_box &box, const CheckOptions &options,
+                 Workers &workers, const Progress &progress, CheckResult &result);
+
+} // namespace conceg::mesh
