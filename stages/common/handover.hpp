@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What one thread gives to another through a library that ThreadSanitizer does not see into, because it is built
-// without it (TBB, Embree): the order is told here. Nothing in other builds.
+// What one thread gives to another through a library that ThreadSanitizer does not see into, because it is
+// built without it (TBB, Embree): the order is told here. Nothing in other builds.
 #pragma once
 
 #if defined(__SANITIZE_THREAD__)
@@ -23,8 +23,12 @@ namespace conceg {
 class Handover {
 public:
 #ifdef CONCEG_TELLS_THREAD_SANITIZER
-  void give() { __tsan_release(this); }
-  void take() { __tsan_acquire(this); }
+  void give() {
+    __tsan_release(this);
+  }
+  void take() {
+    __tsan_acquire(this);
+  }
 #else
   void give() {}
   void take() {}
