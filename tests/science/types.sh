@@ -14,7 +14,7 @@ for seed in 1 2 3; do
   conceg relax grown.cgx -p large.yaml --seed $seed -q -o relaxed.cgx
   check "seed $seed: straightness as relaxed" measure relaxed.cgx --within 0.02
   conceg run dense.yaml --seed $seed --until grow -q -o dense.cgx
-  check "seed $seed: bars reach their ends in dense tissue" measure dense.cgx --done-at-least 0.95
+  check "seed $seed: bars reach their ends in dense tissue, with straightness as grown" measure dense.cgx --within 0.02 --done-at-least 0.95
 done
 # The paper's rules where cells fill about 0.48 of the box: the paper has 0.67 and calls it too crooked.
 sed 's/\[40, 40, 40\]/[50, 50, 50]/; s/1.28e-4/2.0e-4/' "$root/apps/recipes/paper.yaml" >paper.yaml
