@@ -19,7 +19,7 @@ check_not "another seed gives another tissue" cmp -s same.cgx other.cgx
 check "the result is valid" conceg validate -q pipe.cgx
 
 # The program's own counters show that the work was shared: with 2 threads each worker does more than 20 % of the steps.
-for counter in grow.steps relax.items mesh.blocks; do
+for counter in grow.steps relax.items mesh.faces; do
   share=$(sed -n "s/.*counter $counter: worker 0: \([0-9]*\), worker 1: \([0-9]*\).*/\1 \2/p" log2 |
     awk '{ a += $1; b += $2 } END { if (a + b > 0) printf "%d", 100 * (a < b ? a : b) / (a + b) }')
   printf '%s: the lazier of 2 workers did %s %% of the steps\n' "$counter" "${share:-none}"
