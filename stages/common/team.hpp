@@ -38,16 +38,20 @@ public:
     return sum;
   }
 
-  // body(index, worker) for every index below count; worker w does w, w + size, w + 2 size, ...: every worker
-  // does its share whatever the machine is doing.
+  // body(index, worker) for every index below count. Of the first 60 % worker w does w, w + size, w + 2 size,
+  // ...: every worker does its share whatever the machine is doing; the rest goes to who is ready for it.
   template <class Body> void loop(std::size_t count, const Body &body) {
     if (count < 2) {
       for (std::size_t i = 0; i < count; i++)
         body(i, 0u);
       return;
     }
+    const std::size_t shared = 3 * count / 5;
+    std::atomic<std::size_t> next{shared};
     all([&](unsigned worker) {
-      for (std::size_t i = worker; i < count; i += size_)
+      for (std::size_t i = worker; i < shared; i += size_)
+        body(i, worker);
+      for (std::size_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < count;)
         body(i, worker);
     });
   }
@@ -107,7 +111,7 @@ private:
       __builtin_ia32_pause();
 #endif
     }
-    for (int turn = 0; turn < 20; turn++) {
+    for (int turn = 0; turn < 500; turn++) {
       if (ready()) return;
       std::this_thread::yield();
     }

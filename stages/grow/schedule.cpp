@@ -12,9 +12,10 @@ namespace conceg::grow {
 namespace {
 
 constexpr std::size_t least_tips = 16; // a round offers at least so many steps while there are as many tips
-constexpr double least_room_um3 = 1000.0; // box per step of a round: nearer ones would mostly be put off
-constexpr double stand_apart_um = 6.0;    // tips of one round; nearer ones would mostly be put off
-constexpr double plan_step_um = 2.0;      // grid on which steps keep out of each other's way
+constexpr double least_room_um3 = 1000.0;    // box per step of a round: nearer ones would mostly be put off
+constexpr double stand_apart_um = 6.0;       // tips of one round; nearer ones would mostly be put off
+constexpr std::size_t fewest_to_share = 300; // fewer offers are filled before a worker has woken
+constexpr double plan_step_um = 2.0;         // grid on which steps keep out of each other's way
 
 } // namespace
 
@@ -75,14 +76,17 @@ void Schedule::offer_by_rota() {
 
 const std::vector<std::uint32_t> &Schedule::choose(std::uint64_t round) {
   offer_by_rota();
-  team_.loop(offers_.size(), [&](std::size_t i, unsigned) {
-    Offer &offer = offers_[i];
+  const auto fill = [&](Offer &offer) {
     const Projection &projection = state_.projections[offer.bar];
     const std::uint64_t key = conceg_rng_mix(
         state_.input.seed ^ conceg_rng_mix(round ^ conceg_rng_mix(state_.input.cells.id[projection.cell])));
     offer.priority = conceg_rng_mix(key ^ offer.bar);
     offer.tip = projection.chain.back().position;
-  });
+  };
+  if (offers_.size() < fewest_to_share)
+    std::for_each(offers_.begin(), offers_.end(), fill);
+  else
+    team_.loop(offers_.size(), [&](std::size_t i, unsigned) { fill(offers_[i]); });
   std::sort(offers_.begin(), offers_.end(), [](const Offer &x, const Offer &y) {
     return x.priority < y.priority || (x.priority == y.priority && x.bar < y.bar);
   });
