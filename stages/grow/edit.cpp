@@ -92,6 +92,10 @@ void list_cells(const Grid &grid, Edit &edit) {
                      [&](std::size_t cell) { cells.push_back(static_cast<std::uint32_t>(cell)); });
   };
   list(edit.writes, edit.write_cells), list(edit.reads, edit.read_cells);
+  for (std::vector<std::uint32_t> *cells : {&edit.write_cells, &edit.read_cells}) {
+    std::sort(cells->begin(), cells->end());
+    cells->erase(std::unique(cells->begin(), cells->end()), cells->end());
+  }
 }
 
 void number_segments(Space &space, Edit &edit) {

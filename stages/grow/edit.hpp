@@ -19,7 +19,7 @@ struct Edit {
   float angle_error = -1.0f;         // start only
   std::vector<std::uint32_t> banned; // nodes not to be tried again
   std::vector<Region> writes, reads; // where the state is changed, and where it was looked at
-  std::vector<std::uint32_t> write_cells, read_cells; // the grid cells of these regions, with repetitions
+  std::vector<std::uint32_t> write_cells, read_cells; // the grid cells of these regions
   double tip_before = 0.0; // path of the tip, and settled vertices, before the commit
   std::uint32_t settled_before = 0;
   std::vector<std::uint32_t> fresh,

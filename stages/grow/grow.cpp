@@ -28,8 +28,7 @@ double volume_of(const Segment &segment) {
 class Growth {
 public:
   Growth(State &state, unsigned threads, Phases &phases, const Watch &watch)
-      : state_(state), phases_(phases), watch_(watch), team_(threads), schedule_(state, team_),
-        steering_(state) {
+      : state_(state), phases_(phases), watch_(watch), team_(threads), schedule_(state), steering_(state) {
     summary_.steps_by_worker.assign(team_.size(), 0);
     orphans_.resize(state.input.cells.count);
   }
@@ -129,6 +128,7 @@ private:
   void follow(const Edit &edit) {
     Projection &projection = state_.projections[edit.bar];
     if (!projection.chain.empty()) grown_ += projection.chain.back().path - edit.tip_before;
+    if (!projection.chain.empty()) schedule_.moved(edit.bar);
     summary_.steps++;
     switch (edit.kind) {
     case Edit::Kind::collapse:

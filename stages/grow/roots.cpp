@@ -17,7 +17,7 @@ namespace {
 
 constexpr double first_node_um = 1.0;      // beyond the surface
 constexpr double least_stub_um = 0.3;      // the node must be that far outside
-constexpr double search_um[] = {2.5, 5.0}; // around the place aimed at
+constexpr double search_um[] = {1.2, 2.5, 5.0}; // around the place aimed at
 
 // Free nodes around a place, nearest first (ties: lower node).
 std::vector<Candidate> free_nodes(const State &state, const Projection &projection, const glm::dvec3 &aim,

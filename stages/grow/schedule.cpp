@@ -12,16 +12,16 @@ namespace conceg::grow {
 namespace {
 
 constexpr std::size_t least_tips = 16; // a round offers at least so many steps while there are as many tips
-constexpr double least_room_um3 = 1000.0;    // box per step of a round: nearer ones would mostly be put off
-constexpr double stand_apart_um = 6.0;       // tips of one round; nearer ones would mostly be put off
-constexpr std::size_t fewest_to_share = 300; // fewer offers are filled before a worker has woken
-constexpr double plan_step_um = 2.0;         // grid on which steps keep out of each other's way
+constexpr double least_room_um3 = 1000.0; // box per step of a round: nearer ones would mostly be put off
+constexpr double stand_apart_um = 6.0;    // tips of one round; nearer ones would mostly be put off
+constexpr double plan_step_um = 2.0;      // grid on which steps keep out of each other's way
 
 } // namespace
 
-Schedule::Schedule(const State &state, Team &team) : state_(state), team_(team) {
+Schedule::Schedule(const State &state) : state_(state) {
   const conceg_box &box = state.input.box;
   tips_of_.resize(state.input.cells.count);
+  place_.resize(state.projections.size());
   next_tip_.assign(state.input.cells.count, 0);
   double room = 1.0 / least_room_um3;
   for (int axis = 0; axis < 3; axis++)
@@ -34,7 +34,14 @@ Schedule::Schedule(const State &state, Team &team) : state_(state), team_(team) 
 }
 
 void Schedule::enter(std::uint32_t bar) {
-  tips_of_[state_.projections[bar].cell].push_back(bar);
+  const std::uint32_t cell = state_.projections[bar].cell;
+  if (tips_of_[cell].empty()) working_.insert(std::lower_bound(working_.begin(), working_.end(), cell), cell);
+  tips_of_[cell].push_back(bar);
+  moved(bar);
+}
+
+void Schedule::moved(std::uint32_t bar) {
+  place_[bar] = glm::vec3(state_.projections[bar].chain.back().position);
 }
 
 void Schedule::leave(std::uint32_t bar) {
@@ -44,61 +51,52 @@ void Schedule::leave(std::uint32_t bar) {
   if (found == tips.end()) return;
   const auto place = static_cast<std::size_t>(found - tips.begin());
   tips.erase(found);
+  if (tips.empty()) working_.erase(std::lower_bound(working_.begin(), working_.end(), cell));
   if (next_tip_[cell] > place) next_tip_[cell]--;
   if (next_tip_[cell] >= tips.size()) next_tip_[cell] = 0;
 }
 
-std::size_t Schedule::cells_done() const {
-  return static_cast<std::size_t>(
-      std::count_if(tips_of_.begin(), tips_of_.end(), [](const auto &tips) { return tips.empty(); }));
+void Schedule::offer(std::uint32_t cell, std::uint32_t bar, std::uint64_t round) {
+  const std::uint64_t key =
+      conceg_rng_mix(state_.input.seed ^ conceg_rng_mix(round ^ conceg_rng_mix(state_.input.cells.id[cell])));
+  offers_.push_back({conceg_rng_mix(key ^ bar), bar});
 }
 
 // One tip of each working cell by its own rota; several when few cells work, and not all cells when so many
 // work that they would stand in each other's way.
-void Schedule::offer_by_rota() {
+void Schedule::offer_by_rota(std::uint64_t round) {
   offers_.clear();
-  const std::size_t working = tips_of_.size() - cells_done();
+  const std::size_t working = working_.size();
   if (working == 0) return;
   const std::size_t share = (least_tips + working - 1) / working;
   const std::size_t cells = std::min(working, most_tips_);
-  for (std::size_t chosen = 0; chosen < cells; next_cell_ = (next_cell_ + 1) % tips_of_.size()) {
-    const std::size_t cell = next_cell_;
+  auto at = std::lower_bound(working_.begin(), working_.end(), next_cell_);
+  for (std::size_t chosen = 0; chosen < cells; chosen++, at++) {
+    if (at == working_.end()) at = working_.begin();
+    const std::uint32_t cell = *at;
     const std::vector<std::uint32_t> &tips = tips_of_[cell];
-    if (tips.empty()) continue;
-    chosen++;
     const std::size_t number = std::min(share, tips.size());
     for (std::size_t i = 0; i < number; i++)
-      offers_.push_back({0, tips[(next_tip_[cell] + i) % tips.size()], {}});
+      offer(cell, tips[(next_tip_[cell] + i) % tips.size()], round);
     next_tip_[cell] = (next_tip_[cell] + number) % tips.size();
   }
-  if (cells == working) next_cell_ = 0;
+  next_cell_ = cells == working || at == working_.end() ? 0 : *at;
 }
 
 const std::vector<std::uint32_t> &Schedule::choose(std::uint64_t round) {
-  offer_by_rota();
-  const auto fill = [&](Offer &offer) {
-    const Projection &projection = state_.projections[offer.bar];
-    const std::uint64_t key = conceg_rng_mix(
-        state_.input.seed ^ conceg_rng_mix(round ^ conceg_rng_mix(state_.input.cells.id[projection.cell])));
-    offer.priority = conceg_rng_mix(key ^ offer.bar);
-    offer.tip = projection.chain.back().position;
-  };
-  if (offers_.size() < fewest_to_share)
-    std::for_each(offers_.begin(), offers_.end(), fill);
-  else
-    team_.loop(offers_.size(), [&](std::size_t i, unsigned) { fill(offers_[i]); });
+  offer_by_rota(round);
   std::sort(offers_.begin(), offers_.end(), [](const Offer &x, const Offer &y) {
     return x.priority < y.priority || (x.priority == y.priority && x.bar < y.bar);
   });
   tips_.clear();
   for (const Offer &offer : offers_)
-    if (stands_alone(offer.tip, static_cast<std::uint32_t>(round))) tips_.push_back(offer.bar);
+    if (stands_alone(place_[offer.bar], static_cast<std::uint32_t>(round))) tips_.push_back(offer.bar);
   return tips_;
 }
 
 // Whether no tip of this round stands within `stand_apart_um`; if so this one is noted.
-bool Schedule::stands_alone(const glm::dvec3 &tip, std::uint32_t round) {
-  const glm::vec3 place(tip);
+bool Schedule::stands_alone(const glm::vec3 &place, std::uint32_t round) {
+  const glm::dvec3 tip(place);
   bool alone = true;
   std::size_t home = 0;
   for_grid_cells(stand_, {tip, tip}, [&](std::size_t cell) { home = cell; });

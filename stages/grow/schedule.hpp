@@ -5,7 +5,6 @@
 
 #include "edit.hpp"
 #include "state.hpp"
-#include "team.hpp"
 
 #include <utility>
 
@@ -13,12 +12,14 @@ namespace conceg::grow {
 
 class Schedule {
 public:
-  Schedule(const State &state, Team &team);
+  explicit Schedule(const State &state);
 
   // Bars that grow or start enter, and leave when they end or wait.
   void enter(std::uint32_t bar);
   void leave(std::uint32_t bar);
-  std::size_t cells_done() const;
+  // The bar's tip is elsewhere now.
+  void moved(std::uint32_t bar);
+  std::size_t cells_done() const { return tips_of_.size() - working_.size(); }
 
   // The tips of this round by a priority drawn for it; none left = empty.
   const std::vector<std::uint32_t> &choose(std::uint64_t round);
@@ -38,16 +39,17 @@ private:
   struct Offer {
     std::uint64_t priority;
     std::uint32_t bar;
-    glm::dvec3 tip;
   };
-  void offer_by_rota();
-  bool stands_alone(const glm::dvec3 &tip, std::uint32_t round);
+  void offer(std::uint32_t cell, std::uint32_t bar, std::uint64_t round);
+  void offer_by_rota(std::uint64_t round);
+  bool stands_alone(const glm::vec3 &place, std::uint32_t round);
 
   const State &state_;
-  Team &team_;
+  std::vector<glm::vec3> place_;                    // by bar, of its tip
   std::vector<std::vector<std::uint32_t>> tips_of_; // by cell
   std::vector<std::size_t> next_tip_;
-  std::size_t next_cell_ = 0; // where the next round begins
+  std::vector<std::uint32_t> working_; // cells that have tips, ascending
+  std::uint32_t next_cell_ = 0;        // where the next round begins
   std::size_t most_tips_;
   Grid plan_, stand_;
   std::vector<Stand> stood_;
