@@ -38,7 +38,8 @@ public:
     return sum;
   }
 
-  // body(index, worker) for every index below count. Of the first 60 % worker w does w, w + size, w + 2 size,
+  // body(index, worker) for every index below count. Of the first three quarters worker w does w, w + size, w
+  // + 2 size,
   // ...: every worker does its share whatever the machine is doing; the rest goes to who is ready for it.
   template <class Body> void loop(std::size_t count, const Body &body) {
     if (count < 2) {
@@ -46,7 +47,7 @@ public:
         body(i, 0u);
       return;
     }
-    const std::size_t shared = 3 * count / 5;
+    const std::size_t shared = 3 * count / 4;
     std::atomic<std::size_t> next{shared};
     all([&](unsigned worker) {
       for (std::size_t i = worker; i < shared; i += size_)
