@@ -3,6 +3,7 @@
 // it is there when the next round begins, also on a busy machine.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -47,7 +48,8 @@ public:
         body(i, 0u);
       return;
     }
-    const std::size_t shared = 3 * count / 4;
+    // A whole number of turns: in a short loop one index more or less is a large share.
+    const std::size_t turns = (3 * count / 4 + size_ - 1) / size_, shared = std::min(count, turns * size_);
     std::atomic<std::size_t> next{shared};
     all([&](unsigned worker) {
       for (std::size_t i = worker; i < shared; i += size_)
