@@ -39,9 +39,8 @@ public:
     return sum;
   }
 
-  // body(index, worker) for every index below count. Of the first three quarters worker w does w, w + size, w
-  // + 2 size,
-  // ...: every worker does its share whatever the machine is doing; the rest goes to who is ready for it.
+  // body(index, worker) for every index below count. Three quarters are dealt out in turn, so that every
+  // worker does its share whatever the machine is doing; the rest goes to who is ready for it.
   template <class Body> void loop(std::size_t count, const Body &body) {
     if (count < 2) {
       for (std::size_t i = 0; i < count; i++)

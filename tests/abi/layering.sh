@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Who may include whom: public headers -> libc; libconceg/src -> public headers, HDF5, libyaml; stages/x -> public headers,
 # stages/common, its own libraries, never another stage and never libconceg/src; apps -> public headers only.
-# HDF5 is called in h5*.c only, libyaml in yaml*.c only.  layering.sh SOURCE
+# HDF5 is called in h5*.c only, by stages in h5_*.cpp only (files of other programs that are HDF5), libyaml in yaml*.c only.  layering.sh SOURCE
 cd "$1" || exit 1
 failed=0
 

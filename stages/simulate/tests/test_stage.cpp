@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <unistd.h>
@@ -287,14 +288,13 @@ void test_refused() {
 } // namespace
 
 int main() {
-  char name[] = "/tmp/conceg-simulate-XXXXXX";
+  char name[] = "simulate_stage_XXXXXX";
   if (!mkdtemp(name)) return 1;
   folder = name;
   test_results();
   test_resume();
   test_protocols();
   test_refused();
-  const std::string remove = "rm -rf " + folder;
-  if (std::system(remove.c_str())) std::fprintf(stderr, "%s failed\n", remove.c_str());
+  std::filesystem::remove_all(folder);
   return check_done();
 }
