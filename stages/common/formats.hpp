@@ -19,7 +19,7 @@ struct Format {
 
 // name, program, files, unit, frame, groups
 #define CONCEG_IMPORT_FORMATS(F)                                                                             \
-  F("swc", "SWC, SWC-plus", "*.swc", "um", "as it stands; the box is put around", "cells, skeleton")         \
+  F("swc", "SWC, SWC-plus", "*.swc", "um", "as it stands; the box is put around, or [0, L]^3", "cells, skeleton")         \
   F("cactus", "CACTUS", "strand list: .init, .partial, optimized_final.txt", "um", "box [-L/2, L/2]^3",      \
     "cells, skeleton")                                                                                       \
   F("ply", "CACTUS, ConFiG, MC/DC", "a folder of *.ply, one a cell; strand_NNNNN_outer|inner_erode_K.ply",   \

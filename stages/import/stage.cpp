@@ -18,7 +18,7 @@ const conceg_param parameters[] = {
     {"margin_um", "um", "formats without a box: space between the cells and the sides of the box", "5",
      nullptr, CONCEG_PARAM_F64, 0, 0, 1e6},
     {"box_um", "um",
-     "side of the box: caterpillar [0, L]^3, ply [-L/2, L/2]^3; 0 = growth_info, or put around", "0", nullptr,
+     "side of the box: swc, caterpillar [0, L]^3, ply [-L/2, L/2]^3; 0 = growth_info, or put around", "0", nullptr,
      CONCEG_PARAM_F64, 0, 0, 1e6},
     {"info", "", "caterpillar: its growth_info file; empty = looked for beside the table", "", nullptr,
      CONCEG_PARAM_FILE, 0, 0, 0},
