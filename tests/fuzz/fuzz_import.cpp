@@ -27,14 +27,11 @@ Scene read_wmg_file(const Request &request) {
   return scene;
 }
 // In the order of the letters that make_seeds of fuzz.sh puts first: A cactus, B caterpillar, ...
-const Format formats[] = {{"s.init", nullptr, read_cactus},
-                          {"voxel.csv", "growth_info.txt", read_caterpillar},
-                          {"f.dat", nullptr, read_fastpli},
-                          {"strand_00-r0.001000.txt", nullptr, read_nfg},
-                          {"w.json", nullptr, read_wmg_file},
-                          {"c.ply", nullptr, read_ply_folder},
-                          {"nodes.txt", "edges.txt", nullptr},
-                          {"signals.csv", nullptr, nullptr}};
+const Format formats[] = {
+    {"s.init", nullptr, read_cactus},    {"voxel.csv", "growth_info.txt", read_caterpillar},
+    {"f.dat", nullptr, read_fastpli},    {"strand_00-r0.001000.txt", nullptr, read_nfg},
+    {"w.json", nullptr, read_wmg_file},  {"c.ply", nullptr, read_ply_folder},
+    {"nodes.txt", "edges.txt", nullptr}, {"signals.csv", nullptr, nullptr}};
 constexpr std::size_t network_row = 6;
 
 const std::string &folder() {
@@ -83,7 +80,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
   if (size < 2) return 0;
   const std::size_t which = (data[0] - 'A') % (sizeof formats / sizeof *formats);
   const char *bytes = reinterpret_cast<const char *>(data) + 1;
-  const auto *end = formats[which].second ? static_cast<const char *>(std::memchr(bytes, 0, size - 1)) : nullptr;
+  const auto *end =
+      formats[which].second ? static_cast<const char *>(std::memchr(bytes, 0, size - 1)) : nullptr;
   const std::size_t first = end ? static_cast<std::size_t>(end - bytes) : size - 1;
   conceg_ctx *ctx = fuzz_ctx();
   Request request = {};
