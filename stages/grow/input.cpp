@@ -179,7 +179,67 @@ void read_bars(conceg_doc *doc, Input &input) {
     check_family(bars, cell);
 }
 
+void check_points(const Grown &grown) {
+  all_finite("/skeleton/position", grown.position, 3 * grown.rows);
+  for (std::size_t i = 0; i < grown.rows; i++)
+    if (!(grown.target_radius[i] > 0.0f && grown.target_radius[i] < 100.0f))
+      fail(CONCEG_E_RANGE, "/skeleton/target_radius[%zu]: expected a radius above 0 and below 100 um, got %g",
+           i, static_cast<double>(grown.target_radius[i]));
+}
+
+// Each point continues the line of its bar, or starts it on a point of another bar.
+void check_lines(const Input &input) {
+  const Grown &grown = input.grown;
+  for (std::size_t cell = 0; cell < input.cells.count; cell++) {
+    const std::uint64_t first = grown.cell_offset[cell];
+    const std::uint64_t bars = input.bars.cell_offset[cell + 1] - input.bars.cell_offset[cell];
+    std::vector<std::uint8_t> begun(bars, 0);
+    for (std::uint64_t row = 0; row < grown.cell_offset[cell + 1] - first; row++) {
+      const std::uint32_t bar = grown.bar[first + row];
+      const std::int64_t parent = grown.parent[first + row];
+      const auto at = static_cast<unsigned long long>(first + row);
+      if (bar >= bars)
+        fail(CONCEG_E_RANGE, "/skeleton/bar[%llu]: expected a bar below %llu, got %u", at,
+             static_cast<unsigned long long>(bars), bar);
+      if (parent < -1 || parent >= static_cast<std::int64_t>(row))
+        fail(CONCEG_E_RANGE, "/skeleton/parent[%llu]: expected -1 or an earlier row of the cell, got %lld",
+             at, static_cast<long long>(parent));
+      const bool goes_on = begun[bar] && row > 0 && grown.bar[first + row - 1] == bar &&
+                           parent == static_cast<std::int64_t>(row) - 1;
+      const bool starts =
+          !begun[bar] && (parent < 0 || grown.bar[first + static_cast<std::uint64_t>(parent)] != bar);
+      if (!goes_on && !starts)
+        fail(CONCEG_E_RANGE,
+             "/skeleton/bar[%llu]: expected the points of each bar in one line of rows, as conceg grow "
+             "writes them; "
+             "grow.finish carries on its skeletons only",
+             at);
+      begun[bar] = 1;
+    }
+  }
+}
+
 } // namespace
+
+void read_grown(conceg_doc *doc, Input &input) {
+  if (!has(doc, "/skeleton/position")) return;
+  Grown &grown = input.grown;
+  const View<double> position = view<double>(doc, "/skeleton/position", 3);
+  const std::size_t rows = position.rows();
+  const View<float> target = view<float>(doc, "/skeleton/target_radius");
+  const View<std::int64_t> parent = view<std::int64_t>(doc, "/skeleton/parent");
+  const View<std::uint32_t> bar = view<std::uint32_t>(doc, "/skeleton/bar");
+  same_rows("/skeleton/target_radius", target.rows(), "/skeleton/position", rows);
+  same_rows("/skeleton/parent", parent.rows(), "/skeleton/position", rows);
+  same_rows("/skeleton/bar", bar.rows(), "/skeleton/position", rows);
+  grown.rows = rows, grown.position = position.data(), grown.target_radius = target.data();
+  grown.parent = parent.data(), grown.bar = bar.data();
+  grown.cell_offset = offsets(doc, "/skeleton/cell_offset", input.cells.count, rows).data();
+  grown.achieved_start = column(doc, "/bars/achieved_start", input.bars.count);
+  grown.achieved_end = column(doc, "/bars/achieved_end", input.bars.count);
+  check_points(grown);
+  check_lines(input);
+}
 
 void check_spacing(const Input &input, double max_edge_um) {
   const Network &network = input.network;
