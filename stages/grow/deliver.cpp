@@ -107,7 +107,7 @@ private:
     skeleton_.position.push_back(position);
     if (vertex < projection.fixed) {
       skeleton_.radius.push_back(radius);
-      skeleton_.target_radius.push_back(state_.input.grown.target_radius[projection.fixed_row + vertex]);
+      skeleton_.target_radius.push_back(state_.input.earlier.target_radius[projection.fixed_row + vertex]);
     } else {
       skeleton_.radius.push_back(std::min(radius, static_cast<float>(wanted_radius(state_, bar, path))));
       skeleton_.target_radius.push_back(static_cast<float>(target_radius(state_, bar, path)));

@@ -77,7 +77,7 @@ private:
 
   // Second growth: bars that are not done go on, those that found no room look for a host.
   void go_on() {
-    if (!state_.input.grown.rows) return;
+    if (!state_.input.earlier.rows) return;
     for (std::uint32_t bar = 0; bar < state_.projections.size(); bar++) {
       const Projection &projection = state_.projections[bar];
       if (projection.phase == Phase::growing) schedule_.enter(bar);

@@ -17,8 +17,8 @@ namespace {
 
 constexpr double done_within_um = 1e-3; // as growth ends a bar
 
-glm::dvec3 place_of(const Grown &grown, std::uint64_t row) {
-  return {grown.position[3 * row], grown.position[3 * row + 1], grown.position[3 * row + 2]};
+glm::dvec3 place_of(const Earlier &earlier, std::uint64_t row) {
+  return {earlier.position[3 * row], earlier.position[3 * row + 1], earlier.position[3 * row + 2]};
 }
 
 // The nearest node stands for the place that the vertex had in the network; none farther away than an edge is
@@ -66,7 +66,7 @@ void start_on(State &state, std::uint32_t bar, std::uint32_t host, std::uint64_t
 
 // Path lengths along the line as it runs now, stretched to what the bar has achieved.
 void count_path(const State &state, std::uint32_t bar, Projection &projection) {
-  const double start = state.input.grown.achieved_start[bar], end = state.input.grown.achieved_end[bar];
+  const double start = state.input.earlier.achieved_start[bar], end = state.input.earlier.achieved_end[bar];
   std::vector<Vertex> &chain = projection.chain;
   double length = 0.0;
   for (std::size_t i = 1; i < chain.size(); i++)
@@ -109,28 +109,29 @@ void take_up(State &state, std::uint32_t bar) {
 } // namespace
 
 void restore(State &state) {
-  const Grown &grown = state.input.grown;
+  const Earlier &earlier = state.input.earlier;
   const Bars &bars = state.input.bars;
   std::vector<std::uint32_t> order; // of the bars' first points: hosts before what they bear
-  for (std::uint32_t cell = 0; cell < state.input.cells.count && grown.rows; cell++) {
-    const std::uint64_t first = grown.cell_offset[cell];
-    for (std::uint64_t row = first; row < grown.cell_offset[cell + 1]; row++) {
-      const auto bar = static_cast<std::uint32_t>(bars.cell_offset[cell] + grown.bar[row]);
+  for (std::uint32_t cell = 0; cell < state.input.cells.count && earlier.rows; cell++) {
+    const std::uint64_t first = earlier.cell_offset[cell];
+    for (std::uint64_t row = first; row < earlier.cell_offset[cell + 1]; row++) {
+      const auto bar = static_cast<std::uint32_t>(bars.cell_offset[cell] + earlier.bar[row]);
       Projection &projection = state.projections[bar];
       if (projection.chain.empty()) {
         order.push_back(bar);
-        const bool root = grown.parent[row] < 0;
+        const bool root = earlier.parent[row] < 0;
         projection.fixed_row = root ? row : row - 1;
         if (!root) {
-          const std::uint64_t parent = first + static_cast<std::uint64_t>(grown.parent[row]);
-          start_on(state, bar, static_cast<std::uint32_t>(bars.cell_offset[cell] + grown.bar[parent]),
+          const std::uint64_t parent = first + static_cast<std::uint64_t>(earlier.parent[row]);
+          start_on(state, bar, static_cast<std::uint32_t>(bars.cell_offset[cell] + earlier.bar[parent]),
                    parent);
         }
       }
       Vertex vertex;
-      vertex.position = place_of(grown, row);
-      vertex.radius = static_cast<float>(
-          std::max(state.parameters.radius_fraction * grown.target_radius[row], state.parameters.r_min_um));
+      vertex.position = place_of(earlier, row);
+      const double committed =
+          std::max(state.parameters.radius_fraction * earlier.target_radius[row], state.parameters.r_min_um);
+      vertex.radius = std::min(earlier.radius[row], static_cast<float>(committed));
       find_node(state, vertex);
       projection.chain.push_back(vertex);
     }

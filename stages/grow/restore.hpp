@@ -7,7 +7,7 @@
 
 namespace conceg::grow {
 
-// Restores the projections of state.input.grown and puts them into the space, committed as growth commits
+// Restores the projections of state.input.earlier and puts them into the space, committed as growth commits
 // them. E_RANGE where a bar starts on a point from which none can.
 void restore(State &state);
 

@@ -172,7 +172,7 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
     state.input = read_input(doc, conceg_ctx_seed(ctx));
     const bool finish = conceg_params_bool(params, "finish") != 0;
     if (finish)
-      read_grown(doc, state.input);
+      read_earlier(doc, state.input);
     else if (has(doc, "/skeleton"))
       must(conceg_doc_drop(doc, "/skeleton"));
     check_spacing(state.input, state.parameters.max_edge_um);
@@ -194,7 +194,8 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
 }
 
 const char *const reads[] = {"domain", "types", "cells", "bars", "network", "?skeleton", nullptr};
-const char *const writes[] = {"skeleton", "bars", "network", nullptr}; // the network as it was, when it is kept
+const char *const writes[] = {"skeleton", "bars", "network",
+                              nullptr}; // the network as it was, when it is kept
 const char *const drops[] = {"network", nullptr};
 
 } // namespace

@@ -81,7 +81,7 @@ void spread_is_kept() {
   const Sample sample = make_sample(bodies, inflated(bodies, bodies.radius, 1e9), box, 100000, 1e-9, workers);
   const auto to = [&](double cv) {
     return inflate_to(bodies, bodies.radius, bodies.radius, std::vector<std::uint32_t>(4, 0), 1, side(box),
-                      sample, 1e-9, 0.33, {10, cv}, workers);
+                      sample, 1e-9, 0.0447, {10, cv}, workers);
   };
   const Inflation kept = to(0.05);
   CHECK(kept.stop == Inflation::Stop::cv);
