@@ -11,7 +11,7 @@ for tool in clang-14 llvm-profdata-14 llvm-cov-14; do
 done
 cc=clang-14
 command -v ccache > /dev/null && cc="ccache clang-14"
-targets="document swc recipe plugin_table"
+targets="document swc recipe plugin_table" importing=""
 [ -z "$glm" ] || targets="$targets import"
 parsing="doc model_open digest h5_read h5_type stream texts tree validate validate_form validate_links validate_values array swc swc_file swc_floating swc_parse swc_number swc_link swc_ids swc_tree swc_soma swc_plus yaml grammar recipe node params plugin"
 failed=0
@@ -119,7 +119,7 @@ for target in $targets; do
 done
 llvm-profdata-14 merge -sparse ./*.profraw -o all.profdata 2> /dev/null && {
   llvm-cov-14 report $objects -instr-profile=all.profdata 2> /dev/null |
-    awk -v list=" $parsing " '/libconceg\/src\/.*\.c / { name = $1; sub(".*/", "", name); short = name; sub("[.]c$", "", short)
+    awk -v list=" $parsing $importing " '/(libconceg\/src\/.*\.c|stages\/import\/.*\.cpp) / { name = $1; sub(".*/", "", name); short = name; sub("[.]c(pp)?$", "", short)
         if (index(list, " " short " ")) { printf "%-20s %5d of %5d lines covered, %d %%\n", name, $8 - $9, $8, 100 * ($8 - $9) / $8; all += $8; hit += $8 - $9 } }
       END { printf "parsing files: %d of %d lines covered, %d %%\n", hit, all, all ? 100 * hit / all : 0 }'
 }
