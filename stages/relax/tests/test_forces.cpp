@@ -53,8 +53,8 @@ std::vector<glm::dvec3> plain_forces(const Bodies &bodies, const conceg_box &box
                  q = second.radius_a + at.t * (second.radius_b - second.radius_a);
     const bool pinned_e = bodies.pinned[e.a] && bodies.pinned[e.b],
                pinned_f = bodies.pinned[f.a] && bodies.pinned[f.b];
-    const double share = q * q * q / (r * r * r + q * q * q);
-    const glm::dvec3 on_e = (pinned_f ? 1 : share) * push, on_f = -(pinned_e ? 1 : 1 - share) * push;
+    const double share = std::min(0.85, std::max(0.15, q * q * q / (r * r * r + q * q * q)));
+    const glm::dvec3 on_e = (pinned_f ? 3 : share) * push, on_f = -(pinned_e ? 3 : 1 - share) * push;
     out[e.a] += (1 - at.s) * on_e, out[e.b] += at.s * on_e;
     out[f.a] += (1 - at.t) * on_f, out[f.b] += at.t * on_f;
   }
