@@ -42,7 +42,7 @@ struct Format {
   F("ply", "any mesh program", "a .ply per cell and one of all", "um", "as it stands", "meshes")             \
   F("swc", "SWC, SWC-plus", "a .swc per cell", "um", "as it stands", "skeleton")                             \
   F("cactus", "CACTUS", "strands.txt, strands.csv", "um", "box [-L/2, L/2]^3", "skeleton")                   \
-  F("caterpillar", "CATERPillar", "voxel.csv of 9 or 10 columns, voxel_growth_info.txt", "um",               \
+  F("caterpillar", "CATERPillar", "voxel.csv of 9 or 10 columns, voxel_growth_info.txt, cells.csv", "um",               \
     "box [0, L]^3", "skeleton")                                                                              \
   F("mcdc", "MC/DC Simulator", "a text .ply per cell and one of all, .conf, .scheme, ini_walkers",           \
     "um; mm in .conf and ini_walkers", "box [0, L]", "meshes")                                               \

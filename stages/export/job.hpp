@@ -15,6 +15,7 @@ namespace conceg::exporting {
 struct Options {
   std::string to, dir, cells;
   bool wrapped, ascii;
+  bool whole;            // a CATERPillar table of the cells as they are stored
   int columns;           // of a CATERPillar table
   std::uint64_t walkers; // starting points, intracellular and as many extracellular
   double fraction_um;    // voxel of the fraction map
@@ -30,6 +31,7 @@ struct Job {
   std::vector<Cell> cells;
   OutputFolder folder;
   Progress progress;
+  std::string cells_are; // for the manifest, where it is not the same for all files of a format
 
   Job(conceg_ctx *context, conceg_doc *document, const Options &all)
       : ctx(context), doc(document), options(all), source(document), cells(source.select(all.cells)),

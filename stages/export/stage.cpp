@@ -27,6 +27,10 @@ const conceg_param parameters[] = {
     {"ascii", "", "ply: as text instead of binary", "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"columns", "", "caterpillar: of the table; the tenth is parent_component_id", "9", "9|10",
      CONCEG_PARAM_CHOICE, 0, 0, 0},
+    {"whole", "",
+     "caterpillar: cells as they are stored, much of them outside of the voxel; otherwise all their periodic "
+     "images that meet it, each connected piece as a cell",
+     "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"walkers", "", "mcdc, disimpy, camino, rms: starting points, inside of cells and as many outside",
      "1000", nullptr, CONCEG_PARAM_I64, 0, 1, 1e8},
     {"diffusivity_um2_per_ms", "um^2/ms", "simulators: of the water, everywhere", "2", nullptr,
@@ -82,6 +86,7 @@ Options read_options(const conceg_params *params) {
   options.cells = conceg_params_text(params, "cells");
   options.wrapped = conceg_params_bool(params, "wrapped") != 0,
   options.ascii = conceg_params_bool(params, "ascii") != 0;
+  options.whole = conceg_params_bool(params, "whole") != 0;
   options.columns = std::strcmp(conceg_params_text(params, "columns"), "10") ? 9 : 10;
   options.walkers = static_cast<std::uint64_t>(conceg_params_i64(params, "walkers"));
   options.diffusivity = conceg_params_f64(params, "diffusivity_um2_per_ms"),
@@ -156,7 +161,7 @@ extern "C" const conceg_stage conceg_stage_export = {
     sizeof(conceg_stage),
     "export",
     "files",
-    "1.1.0",
+    "1.2.0",
     "writes files for other programs: viewers, mesh tools, and simulators with all that they need beside the "
     "cells",
     "conceg export --to mcdc --dir cube_mcdc < cube.cgx",

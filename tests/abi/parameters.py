@@ -126,6 +126,7 @@ needs = {
     "import.pulse_duration_ms": ["--bval={work}/bvals", "--pulse-separation-ms=20"],
     "import.pulse_separation_ms": ["--bval={work}/bvals", "--pulse-duration-ms=5"],
     "export.columns": ["--to", "caterpillar"],
+    "export.whole": ["--to", "caterpillar"],
     "export.fraction_um": ["--to", "nifti"],
     "export.walkers": ["--to", "mcdc"],
     **{f"export.{name}": ["--to", "mcdc", "--walkers", "10"] for name in ("diffusivity_um2_per_ms", "b_values_ms_per_um2", "directions", "pulse_ms", "separation_ms")},

@@ -148,6 +148,12 @@ def frames_and_rounds(work):
         seen[name] = (work / "layout.cgx").read_bytes()
         cells = (must("export", work / "layout.cgx", "--to", "cactus", "--dir", work / "layout", "-q"), json.loads((work / "layout/cactus/manifest.json").read_text())["cells"])[1]
         expect(len(cells) == (4 if name == "b2" else 3), f"layout {name}: two glial cells of one id stay two: {len(cells)}")
+    (work / "myelin.csv").write_text(layouts["b"].replace("12 10 10 0.5 0.5", "12 10 10 0.3 0.5"))
+    must("import", "caterpillar", work / "myelin.csv", "-o", work / "layout.cgx")
+    done = run("export", work / "layout.cgx", "--to", "caterpillar", "--dir", work / "myelin")
+    written = [line.split() for line in (work / "myelin/caterpillar/voxel.csv").read_text().splitlines()]
+    expect(done.returncode == 0 and "inner radius" in done.stderr and written[1][-2:] == ["0.4", "0.5"] and all(row[-2] == row[-1] for row in written if row[0] == "glial_cell"),
+           f"inner radii are of axons alone, and the rest is said: {done.stderr} {written[1]}")
     expect(seen["a"] == seen["b"] == seen["c"] == seen["d"], "four layouts of the same six spheres give one document")
 
     box = {"fastpli": None, "nfg": None, "wmg": -10, "cactus": -10}

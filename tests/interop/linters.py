@@ -209,29 +209,5 @@ def cactus(path):
     return side, strands
 
 
-def caterpillar(folder, columns):
-    """A sphere table with its growth_info; returns the voxel's sides and the spheres (x y z r)."""
-    head = "cell_type cell_id component component_id parent_component_id X Y Z inner_radius outer_radius".split()
-    if columns == 9:
-        head.remove("parent_component_id")
-    lines = (folder / "voxel.csv").read_text().splitlines()
-    need(lines[0].split(" ") == head, f"voxel.csv:1: {lines[0]}")
-    parts = {"axon": {"axon"}, "glial_cell": {"soma", "branch"}, "blood_vessel": {"blood_vessel", "branch"}}
-    spheres, began, before = [], set(), None
-    for number, line in enumerate(lines[1:], 2):
-        row = dict(zip(head, line.split(" ")))
-        need(len(line.split(" ")) == columns and row["component"] in parts.get(row["cell_type"], ()), f"voxel.csv:{number}: {line}")
-        key = (row["cell_type"], int(row["cell_id"]))
-        need(key in began or row["component"] != "branch", f"voxel.csv:{number}: a branch before its soma")
-        need(key not in began or key == before, f"voxel.csv:{number}: the rows of a cell are apart")
-        began.add(key)
-        before = key
-        x, y, z, inner, outer = numbers(" ".join(row[name] for name in ("X", "Y", "Z", "inner_radius", "outer_radius")), 5, f"voxel.csv:{number}")
-        need(0 < inner <= outer, f"voxel.csv:{number}: radii {inner} {outer}")
-        spheres.append((x, y, z, outer))
-    info = {line.rsplit(" ", 1)[0]: line.rsplit(" ", 1)[1] for line in (folder / "voxel_growth_info.txt").read_text().splitlines()}
-    return float(info["Voxel Size"]), np.array(spheres)
-
-
 def manifest(folder):
     return json.loads((folder / "manifest.json").read_text())

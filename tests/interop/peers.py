@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Files that export wrote, before programs that read them (trimesh, meshio, PyVista, nibabel, MorphIO, NeuroM, navis, NumPy) and before strict
-readers of the formats that no program on PyPI reads (linters.py). Volumes, areas, places and counts must be those of the manifest, and the
+readers of the formats that no program on PyPI reads (linters.py, caterpillar_linter.py). Volumes, areas, places and counts must be those of the manifest, and the
 column "checked by" of spec/interop.md must name who did.  peers.py BIN [DOCUMENT]"""
+import itertools
 import json
 import pathlib
 import re
@@ -19,6 +20,7 @@ import numpy as np
 import pyvista
 import trimesh
 
+import caterpillar_linter
 import linters
 import union
 
@@ -95,24 +97,45 @@ def linted(work, document, manifest):
     length, strands = linters.cactus(work / "cactus/strands.txt")
     listed = len((work / "cactus/strands.csv").read_text().splitlines()) - 1
     expect(length == side.max() and len(strands) == listed > 3, "cactus", "linter", f"side {length}, {len(strands)} strands of {listed}")
-    for columns in (9, 10):
-        subprocess.run([bin_folder / "conceg-export", document, "--to", "caterpillar", "--columns", str(columns), "--dir", work / f"c{columns}", "-q"], check=True)
-        length, spheres = linters.caterpillar(work / f"c{columns}/caterpillar", columns)
-        expect(length == side.max() and len(spheres) > 1000, "caterpillar", "linter", f"voxel {length}, {len(spheres)} spheres")
-        subprocess.run([bin_folder / "conceg-import", "caterpillar", work / f"c{columns}/caterpillar/voxel.csv", "-q", "-o", work / "back.cgx"], check=True)
-        scene = union.cones(document)
-        alone, inside = union.share_that_differs(scene, union.spheres(spheres), side)
-        round_trip, _ = union.share_that_differs(scene, union.cones(work / "back.cgx"), side)
-        thinner, _ = union.share_that_differs(scene, (*scene[:2], 0.99 * scene[2], 0.99 * scene[3]), side)
-        expect(alone < 0.005 and round_trip < 0.005 and inside > 5000, "caterpillar", "our importer", f"{alone:.4f} of the union differ as spheres, {round_trip:.4f} after the round")
-        expect(thinner > 0.005, "caterpillar", "our importer", f"radii of 99 % look the same: {thinner:.4f}")
-        print(f"caterpillar, {columns} columns: {100 * alone:.2f} % of the union volume differ as spheres, {100 * round_trip:.2f} % there and back, {100 * thinner:.2f} % with radii of 99 % ({inside} points)")
+    tables(work, document, side)
     plant(work)
+
+
+def tables(work, document, side):
+    """CATERPillar tables of 9 and 10 columns before the linter; as spheres alone and read back they fill what the document does, as counted by points in the voxel."""
+    scene = union.cones(document)
+    thinner = (*scene[:2], 0.99 * scene[2], 0.99 * scene[3])
+    for columns in (9, 10):
+        for form, truth, other in ((f"c{columns}", union.images(scene, side), union.images(thinner, side)), (f"whole{columns}", scene, thinner)):
+            folder = work / form / "caterpillar"
+            subprocess.run([bin_folder / "conceg-export", document, "--to", "caterpillar", "--columns", str(columns), "--dir", work / form, "-q", f"--whole={'true' if 'whole' in form else 'false'}"], check=True)
+            length, count = caterpillar_linter.lint(folder, columns)
+            words = [line.split(" ") for line in (folder / "voxel.csv").read_text().splitlines()[1:]]
+            spheres = np.array([word[-5:-2] + word[-1:] for word in words], float)
+            axon = np.array([word[0] == "axon" for word in words])
+            expect(length == side.max() and count == len(words) > 1000, "caterpillar", "linter", f"{form}: voxel {length}, {count} spheres")
+            listed = [line.rsplit(",", 1) for line in (folder / "cells.csv").read_text().splitlines()[1:]]
+            expect(sum(int(number) for _, number in listed) == count, "caterpillar", "linter", f"{form}: cells.csv lists other spheres")
+            subprocess.run([bin_folder / "conceg-import", "caterpillar", folder / "voxel.csv", "-q", "-o", work / "back.cgx"], check=True)
+            alone, inside = union.share_that_differs(truth, union.spheres(spheres), side)
+            round_trip, _ = union.share_that_differs(truth, union.cones(work / "back.cgx"), side)
+            fault, _ = union.share_that_differs(truth, other, side)
+            expect(alone < 0.005 and round_trip < 0.005 and inside > 5000, "caterpillar", "our importer", f"{form}: {alone:.4f} of the union differ as spheres, {round_trip:.4f} after the round")
+            expect(fault > 0.005, "caterpillar", "our importer", f"{form}: radii of 99 % look the same: {fault:.4f}")
+            shares = {key: float(value) for key, value in (line.rsplit(" ", 1) for line in (folder / "voxel_growth_info.txt").read_text().splitlines())}
+            for key, rows in (("Total icvf", spheres), ("Axon icvf", spheres[axon])):
+                share = union.share(union.spheres(rows), side)
+                expect(abs(shares[key] - share) < 4 * np.sqrt(share / 100000) + 1e-9, "caterpillar", "linter", f"{form}: {key} {shares[key]}, {share} by points")
+            print(f"caterpillar, {form}: {100 * alone:.2f} % of the union volume differ as spheres, {100 * round_trip:.2f} % there and back, {100 * fault:.2f} % with radii of 99 % ({inside} points)")
 
 
 def plant(work):
     """A fault in each format, which its linter must see."""
     node, poly = (next((work / "spindoctor").glob(f"*.{ending}")) for ending in ("node", "poly"))
+    rows = (work / "c9/caterpillar/voxel.csv").read_text().splitlines(keepends=True)
+    # Rows in the middle of the longest branch, whose absence leaves a gap between spheres.
+    branch = max((list(lines) for _, lines in itertools.groupby(rows, lambda row: row.split(" ")[:4])), key=len)
+    gap = "".join(branch[len(branch) // 2:][:8])
     faults = (
         ("mcdc", work / "mcdc/intra.conf", "ply_scale 0.001", "ply_scale 1", lambda: linters.mcdc(work / "mcdc")),
         ("mcdc", work / "mcdc/protocol.scheme", "0.02 ", "0.001 ", lambda: linters.mcdc(work / "mcdc")),
@@ -123,7 +146,9 @@ def plant(work):
         ("spindoctor", poly, "\n3 ", "\n4 ", lambda: linters.tetgen(work / "spindoctor", poly.stem)),
         ("spindoctor", node, " 3 0 0", " 2 0 0", lambda: linters.tetgen(work / "spindoctor", node.stem)),
         ("cactus", work / "cactus/strands.txt", "\n4\n", "\n5\n", lambda: linters.cactus(work / "cactus/strands.txt")),
-        ("caterpillar", work / "c9/caterpillar/voxel.csv", " soma ", " branch ", lambda: linters.caterpillar(work / "c9/caterpillar", 9)))
+        *(("caterpillar", work / "c9/caterpillar" / name, old, new, lambda: caterpillar_linter.lint(work / "c9/caterpillar", 9)) for name, old, new in (
+            ("voxel.csv", " soma ", " branch "), ("voxel.csv", gap, ""), ("voxel.csv", "axon 0 axon 0 ", "axon 0 axon 1 "), ("voxel.csv", "axon 1 axon 0 ", "axon 1 axon 0 1000"),
+            ("voxel_growth_info.txt", "Duration 0\n", ""), ("voxel_growth_info.txt", "Num_axons ", "Num_axons 1"), ("voxel_growth_info.txt", "Total icvf 0", "Total icvf 1"))))
     for form, path, old, new, lint in faults:
         text = path.read_text()
         path.write_text(text.replace(old, new, 1))

@@ -21,6 +21,20 @@ def cones(path):
     return (np.concatenate([start, soma[somas]]) - lo, np.concatenate([position, soma[somas]]) - lo, np.concatenate([first, soma_radius[somas]]), np.concatenate([radius, soma_radius[somas]]))
 
 
+def images(pieces, side):
+    """All periodic images of the cones whose bounds meet the voxel [0, side]."""
+    a, b, r0, r1 = pieces
+    reach = np.maximum(r0, r1)[:, None]
+    low, high = np.minimum(a, b) - reach, np.maximum(a, b) + reach
+    first, last = np.ceil(-high / side).astype(int), np.floor((side - low) / side).astype(int)
+    found = []
+    for lift in np.ndindex(*(last.max(axis=0) - first.min(axis=0) + 1)):
+        lift = np.array(lift) + first.min(axis=0)
+        rows = ((first <= lift) & (lift <= last)).all(axis=1)
+        found.append((a[rows] + lift * side, b[rows] + lift * side, r0[rows], r1[rows]))
+    return tuple(np.concatenate(column) for column in zip(*found))
+
+
 def spheres(rows):
     """The same of spheres alone (x y z r)."""
     return rows[:, :3], rows[:, :3], rows[:, 3], rows[:, 3]
@@ -55,3 +69,8 @@ def share_that_differs(one, other, side, count=100000):
     points = np.random.default_rng(1).random((count, 3)) * side
     a, b = inside(points, one), inside(points, other)
     return (a != b).sum() / a.sum(), int(a.sum())
+
+
+def share(pieces, side, count=100000):
+    """Of the voxel that the union fills."""
+    return inside(np.random.default_rng(2).random((count, 3)) * side, pieces).mean()

@@ -3,6 +3,7 @@
 // whole or not at all.
 #include "folder.hpp"
 #include "ply.hpp"
+#include "spheres.hpp"
 #include "tests/tissue.hpp"
 #include "tree.hpp"
 #include "vtk.hpp"
@@ -100,6 +101,68 @@ static void runs_of_a_fork() {
   CHECK_EQUAL(lists[0].size(), 2);
   CHECK_EQUAL(lists[1][0], 1); // a branch starts with the point of its fork
   CHECK_EQUAL(lists[2][1], 3);
+}
+
+static double widest_gap(const SphereTree &tree) {
+  double widest = 0.0; // in radii of the thicker neighbour
+  for (const Sphere &sphere : tree.spheres) {
+    if (sphere.parent < 0) continue;
+    const Sphere &before = tree.spheres[static_cast<std::size_t>(sphere.parent)];
+    widest = std::max(widest, glm::length(sphere.at - before.at) / std::max(sphere.outer, before.outer));
+  }
+  return widest;
+}
+
+static void spheres_of_a_cell() {
+  Cell cell;
+  cell.soma = {10.0, 10.0, 10.0}, cell.soma_radius = 4.0;
+  Tree tree;
+  // A stem that thins out and forks, one branch of constant radius, and one that widens more steeply than 4.
+  tree.position = {{10.0, 10.0, 15.0}, {10.0, 10.0, 45.0}, {12.0, 10.0, 47.0}, {10.0, 10.1, 45.0}};
+  tree.radius = {2.0, 0.1, 0.1, 1.0};
+  tree.parent = {-1, 0, 1, 1};
+  const std::vector<SphereTree> pieces = sphere_trees(cell, tree, {});
+  CHECK_EQUAL(pieces.size(), 1);
+  CHECK(pieces[0].soma);
+  CHECK(widest_gap(pieces[0]) < 0.25 * (1.0 + 1e-9) && widest_gap(pieces[0]) > 0.24);
+  // Within the soma the spheres touch it from inside, until one radius of the stem below its surface.
+  double depth = 0.0;
+  for (const Sphere &sphere : pieces[0].spheres)
+    if (sphere.at.z < 12.0 + 1e-9) {
+      depth = sphere.at.z - 10.0;
+      CHECK_NEAR(depth + sphere.outer, 4.0, 1e-9);
+    }
+  CHECK_NEAR(depth, 2.0, 1e-9);
+  cell.soma_radius = 0.0, tree.parent[2] = -1;
+  CHECK_EQUAL(sphere_trees(cell, tree, {}).size(), 2);
+
+  // In a box of 20 um the stem passes z = 20 and z = 40: three images, of which the first has the soma.
+  const std::vector<SphereTree> images = images_in_box(pieces[0], cube());
+  CHECK_EQUAL(images.size(), 3);
+  std::size_t somas = 0;
+  for (const SphereTree &image : images) {
+    somas += image.soma;
+    CHECK(widest_gap(image) < 0.25 * (1.0 + 1e-9));
+    for (const Sphere &sphere : image.spheres)
+      CHECK(sphere.at.z > -sphere.outer && sphere.at.z < 20.0 + sphere.outer);
+  }
+  CHECK_EQUAL(somas, 1);
+  conceg_box open = cube();
+  open.periodic[2] = 0;
+  CHECK_EQUAL(images_in_box(pieces[0], open).size(), 1);
+  CHECK_EQUAL(images_in_box(pieces[0], open)[0].spheres.size(), pieces[0].spheres.size());
+}
+
+static void shares_of_balls() {
+  const double ball = 4.0 / 3.0 * 3.14159265358979323846 * 27.0 / 8000.0;
+  // One within, one cut in half by a side and of an axon, and one of an axon within the first.
+  const BallShares shares = ball_shares({{{5.0, 6.0, 7.0}, 3.0, false},
+                                         {{20.0, 12.0, 13.0}, 3.0, true},
+                                         {{5.0, 6.0, 7.0}, 1.5, true},
+                                         {{90.0, 0.0, 0.0}, 3.0, true}},
+                                        glm::dvec3(20.0));
+  CHECK_NEAR(shares.all, 1.5 * ball, 1e-3 * ball);
+  CHECK_NEAR(shares.axons, (0.5 + 0.125) * ball, 1e-3 * ball);
 }
 
 // Every point of the ball's images in the box is covered: the images of its triangles in the box have the
@@ -324,6 +387,8 @@ int main() {
   make_folder(folder);
   splitting();
   runs_of_a_fork();
+  spheres_of_a_cell();
+  shares_of_balls();
   tiling();
   ply();
   vtk_skeletons();
