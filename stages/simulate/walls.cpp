@@ -347,6 +347,15 @@ Contact Walls::first_contact(const Spot &spot, const glm::dvec3 &place, const gl
              hz = spread(place.z + 0.5 * move.z);
   const Four half = spread(0.5 * glm::length(move) + 2.0 * static_cast<double>(margin_um_));
   const Four margin = spread(static_cast<double>(margin_um_)), minus_margin = -margin;
+  // Whether a move that is not along the plane crosses it outside the ball. A height is off by at most the
+  // margin, so that the point is off by margin / |along| of the move: less than the slack.
+  const glm::vec3 from(place), way(move);
+  const float least = 100.0f * margin_um_, slack = 0.02f * glm::length(way) + 2.0f * margin_um_;
+  const auto misses = [&](const Disc &d, float before, float along) {
+    if (std::fabs(along) < least) return false;
+    const glm::vec3 off = from - (before / along) * way - glm::vec3(d.centre[0], d.centre[1], d.centre[2]);
+    return glm::dot(off, off) > (d.radius + slack) * (d.radius + slack);
+  };
   double crossing = 1.0;
   const std::uint32_t *const end = list_.data() + 4 * std::size_t{voxel_[spot.voxel + 1].begin};
   for (const std::uint32_t *four = list_.data() + 4 * std::size_t{voxel_[spot.voxel].begin}; four != end;
@@ -360,12 +369,13 @@ Contact Walls::first_contact(const Spot &spot, const glm::dvec3 &place, const gl
     // Planes that the move crosses, or touches within the margin: not both ends above or both below.
     columns(disc_[four[0]].normal, disc_[four[1]].normal, disc_[four[2]].normal, disc_[four[3]].normal, x, y,
             z, w);
-    const Four before = x * px + y * py + z * pz - w, after = before + (x * mx + y * my + z * mz);
+    const Four before = x * px + y * py + z * pz - w, along = x * mx + y * my + z * mz,
+               after = before + along;
     const Mask met =
         near & ~(((before > margin) & (after > margin)) | ((before < minus_margin) & (after < minus_margin)));
     if (!any(met)) continue;
     for (int lane = 0; lane < 4; lane++) {
-      if (!met[lane]) continue;
+      if (!met[lane] || misses(disc_[four[lane]], before[lane], along[lane])) continue;
       const Face &face = faces_[four[lane]];
       const double height = glm::dot(face.normal, place) - face.offset, speed = glm::dot(face.normal, move);
       if (height * speed >= 0.0) continue; // it moves away
