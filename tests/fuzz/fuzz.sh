@@ -5,12 +5,12 @@
 # A crash inside HDF5 itself, below our calls, is counted and kept apart: its 1.10 does not survive every damaged file, which the
 # programs turn into an error (apps/contain.h). Any other finding fails the test and stays in FOLDER/found.
 source=$1 folder=$2 seconds=$3 schema=$4 hdf5_include=$5 hdf5=$6 yaml=$7
-for tool in clang-14 llvm-profdata-14 llvm-cov-14; do
+for tool in clang-14 clang++-14 llvm-profdata-14 llvm-cov-14; do
   command -v $tool > /dev/null || { echo "SKIPPED: no $tool: nothing is fuzzed"; exit 77; }
 done
 cc=clang-14
 command -v ccache > /dev/null && cc="ccache clang-14"
-targets="document swc recipe plugin_table"
+targets="document swc recipe plugin_table scheme"
 parsing="doc model_open digest h5_read h5_type stream texts tree validate validate_form validate_links validate_values array swc swc_file swc_floating swc_parse swc_number swc_link swc_ids swc_tree swc_soma swc_plus yaml grammar recipe node params plugin"
 failed=0
 mkdir -p "$folder/objects" "$folder/found" || exit 1
@@ -26,9 +26,12 @@ for file in "$source"/libconceg/src/*.c "$schema"; do
 done | xargs -P 2 -I{} sh -c "$cc $flags -c {} -o objects/\$(basename {}).o" || exit 1
 rm -f libconceg.a && ar rcs libconceg.a objects/*.o || exit 1
 link() { clang-14 $flags -I"$source/libconceg/src" "$@" $libraries || exit 1; }
-for target in $targets; do
+for target in document swc recipe plugin_table; do
   link -fsanitize=fuzzer "$source/tests/fuzz/fuzz_$target.c" libconceg.a -o "fuzz_$target"
 done
+# The parsers of the simulate stage.
+clang++-14 $(printf '%s' "$flags" | sed 's/-std=gnu11/-std=c++17/') -fsanitize=fuzzer -I"$source/stages/common" -I"$source/stages/simulate" \
+  "$source/tests/fuzz/fuzz_scheme.cpp" "$source/stages/simulate/scheme_files.cpp" "$source/stages/simulate/protocol.cpp" libconceg.a -o fuzz_scheme $libraries || exit 1
 link -DCONCEG_FUZZ_PLANT -fsanitize=fuzzer "$source/tests/fuzz/fuzz_recipe.c" libconceg.a -o planted
 link "$source/tests/fuzz/make_seeds.c" libconceg.a -o make_seeds
 export LLVM_PROFILE_FILE=/dev/null ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1
@@ -40,6 +43,9 @@ find "$source/spec/conformance" -name '*.cgx' -size -40k -exec cp {} seeds/docum
 cp "$source"/tests/swc/fixtures/*.swc seeds/swc/
 cp "$source"/apps/recipes/*.yaml "$source"/tests/pipe/small.yaml seeds/recipe/
 head -c 200 "$source/README.md" > seeds/plugin_table/text
+printf 'VERSION: STEJSKALTANNER\n0 0 0 0 0.02 0.005 0.026\n1 0 0 0.1746066 0.02 0.005 0.026\n' > seeds/scheme/pulses
+printf 'VERSION: GRADIENT_WAVEFORM\n4 0.001 0.04 0 0 0.04 0 0 -0.04 0 0 -0.04 0 0\n' > seeds/scheme/waveform
+printf '0 1000 2000\n|0 1 0\n0 0 0.6\n0 0 0.8\n' > seeds/scheme/fsl
 
 # ---- What once broke a target, and a bug that is there on purpose ----
 old=0
@@ -71,6 +77,7 @@ search() { # search TARGET: executions to TARGET.executions, findings to found/
 }
 search document & search swc & wait
 search recipe & search plugin_table & wait
+search scheme
 
 # ---- Findings ----
 inside=0
@@ -79,7 +86,7 @@ for input in found/*; do
   target=$(basename "$input" | sed 's/-\(crash\|oom\|timeout\|leak\|slow\).*//')
   "./fuzz_$target" -detect_leaks=0 -timeout=20 "$input" > log 2>&1 && continue
   # The frame that failed: the first that is of HDF5 or of ours.
-  frame=$(grep -E '^ *#[0-9]+ ' log | grep -E -m 1 'libhdf5|libconceg/src|tests/fuzz')
+  frame=$(grep -E '^ *#[0-9]+ ' log | grep -E -m 1 'libhdf5|libconceg/src|stages/|tests/fuzz')
   case $frame in
     *libhdf5*) inside=$((inside + 1)) ;;
     *) echo "FAILED: $target: $folder/$input breaks it (keep it in tests/fuzz/regressions/$target):"; grep -E -A 12 'ERROR|not so' log | head -30; failed=1 ;;
