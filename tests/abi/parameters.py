@@ -195,8 +195,8 @@ class Parameters:
         (work / "sources.csv").write_text("source,repository,licence,terms\nhere,a/b,MIT,cite\n")
         (work / "glia.csv").write_text(columns + f"{self.source}/data/astrocyte-barcodes.csv,glia,astrocyte,,0,unknown,,,\n")
         signals = [0.8, 0.66, 0.43, 0.31, 0.25, 0.21, 0.16]
-        rows = [f"{name},{b},{1 if b == 0 else signals[i - 1] * scale}" for name, scale in (("intra", 1), ("all", 0.9)) for i, b in enumerate([0, 0.5, 1, 2, 3, 4, 6, 10])]
-        (work / "signals.csv").write_text("compartment,b,signal\n" + "\n".join(rows) + "\n")
+        rows = [f"{name},{b},{1 if b == 0 else signals[i - 1] * scale},{0.001 * (i + 1)}" for name, scale in (("intra", 1), ("all", 0.9)) for i, b in enumerate([0, 0.5, 1, 2, 3, 4, 6, 10])]
+        (work / "signals.csv").write_text("compartment,b,signal,standard_error\n" + "\n".join(rows) + "\n")
         (work / "signals.txt").write_text("1 0.8 0.4\n")
         (work / "bvals").write_text("0 1000 3000\n")
         (work / "bvecs").write_text("0 1 0\n0 0 1\n0 0 0\n")
