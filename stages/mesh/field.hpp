@@ -16,12 +16,11 @@ constexpr float kFar = 1e9f; // value of nodes out of reach
 
 // One cone image that some node of a block can feel.
 struct IndexEntry {
-  std::uint32_t block;
   std::uint32_t cone;
   std::int16_t lift[3];
 };
 
-// Entries sorted by (block, cell, lift, cone); blocks that hold none do not appear.
+// Entries of each block, sorted by (cell, lift, cone); blocks that hold none do not appear.
 struct Index {
   std::vector<IndexEntry> entry;
   std::vector<std::uint32_t> block;
