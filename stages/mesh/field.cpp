@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "field.hpp"
+#include "wide.hpp"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -9,14 +10,6 @@
 #include <cmath>
 #include <numeric>
 #include <tuple>
-
-// Wider registers where the machine has them; the same bits, as nothing is contracted.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) &&     \
-    !defined(__SANITIZE_THREAD__)
-#define WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define WIDE
-#endif
 
 namespace conceg::mesh {
 namespace {

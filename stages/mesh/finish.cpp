@@ -170,10 +170,9 @@ private:
   // mesh.
   std::vector<float> tolerances(const Surface &base, std::uint32_t cell) const {
     std::vector<float> tolerance(base.vertex.size());
-    const double near = options_.least_gap();
+    const double least = 0.5 * options_.least_gap(); // where the field is rough
     for (std::uint32_t v = 0; v < tolerance.size(); v++) {
-      const double free = 0.5 * (base.room[v] - near);
-      tolerance[v] = static_cast<float>(std::min(options_.tolerance, std::max(near * 0.5, free)));
+      tolerance[v] = static_cast<float>(std::min(options_.tolerance, std::max(least, 0.5 * double(base.room[v]))));
       if (locked_.size() > cell && holds(locked_[cell], node_at(base.at(v)))) tolerance[v] = 0;
     }
     return tolerance;

@@ -3,6 +3,7 @@
 #include "pairs.hpp"
 #include "distance.hpp"
 #include "predicates.hpp"
+#include "wide.hpp"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstring>
 #include <memory>
 
 namespace conceg::mesh {
@@ -49,12 +51,42 @@ struct Stretch {
 
 using Triangle = glm::dvec3[3];
 
+// Which faces of two leaves have boxes that meet, or that are no farther apart than `far` along any axis: one
+// byte a pair.
+struct BoxPairs {
+  std::uint8_t meet[kLeaf][kLeaf], near[kLeaf][kLeaf];
+};
+
+WIDE void compare_boxes(const Item &a, const Item &b, float far, BoxPairs &out) {
+  const float farther = far > 0 ? far : 0;
+  for (std::uint32_t i = 0; i < kLeaf; i++) {
+    bool beyond = false; // the whole leaf
+    for (int axis = 0; axis < 3; axis++)
+      beyond |= (a.face_low[axis][i] - b.high[axis] > farther) | (b.low[axis] - a.face_high[axis][i] > farther);
+    if (beyond) {
+      std::memset(out.meet[i], 0, kLeaf), std::memset(out.near[i], 0, kLeaf);
+      continue;
+    }
+    for (std::uint32_t j = 0; j < kLeaf; j++) {
+      float d = -1e30f;
+      for (int axis = 0; axis < 3; axis++) {
+        const float above = a.face_low[axis][i] - b.face_high[axis][j],
+                    below = b.face_low[axis][j] - a.face_high[axis][i];
+        d = above > d ? above : d;
+        d = below > d ? below : d;
+      }
+      out.meet[i][j] = d <= 0, out.near[i][j] = d <= far;
+    }
+  }
+}
+
 class PairCheck {
 public:
   PairCheck(const Views &surfaces, const std::vector<std::uint8_t> &changed, const conceg_box &box,
             const CheckOptions &options, Workers &workers, const Progress &progress, CheckResult &result)
       : surfaces_(surfaces), changed_(changed), box_(box), options_(options), workers_(workers),
         progress_(progress), result_(result), margin_(0.5 * options.reach),
+        least2_(options.least_gap * options.least_gap),
         all_changed_(std::all_of(changed.begin(), changed.end(), [](std::uint8_t c) { return c != 0; })) {}
 
   void run() {
@@ -97,7 +129,7 @@ private:
   Bounds bounds(std::uint32_t surface, std::uint32_t face) const {
     Triangle p;
     corners(surface, face, p);
-    return {glm::min(glm::min(p[0], p[1]), p[2]), glm::max(glm::max(p[0], p[1]), p[2])};
+    return bounds_of(p);
   }
 
   // Hash places a few faces wide, that divide periodic sides.
@@ -305,7 +337,7 @@ private:
     const float reach = static_cast<float>(options_.reach * (1 + 1e-6));
     for (std::size_t i = first; i < last; i++) {
       const Item &a = *entry_[i];
-      if (a.first == here && changed_[a.surface]) check_faces(a, a, 0, worker);
+      if (a.first == here && changed_[a.surface]) check_faces(a, a, true, worker);
       for (std::size_t j = i + 1; j < last; j++) {
         const Item &b = *entry_[j];
         if (!changed_[a.surface] && !changed_[b.surface]) continue;
@@ -315,26 +347,23 @@ private:
             b.low[1] - a.high[1] > far || a.low[2] - b.high[2] > far || b.low[2] - a.high[2] > far)
           continue;
         // Each pair once: in the place of the lower corner of what the two boxes share.
-        if (glm::max(a.first, b.first) == here) check_faces(a, b, far, worker);
+        if (glm::max(a.first, b.first) == here) check_faces(a, b, same, worker);
       }
     }
   }
 
-  void check_faces(const Item &a, const Item &b, float far, Worker &worker) const {
-    std::array<float, kLeaf> apart;
+  void check_faces(const Item &a, const Item &b, bool same, Worker &worker) const {
+    // What is farther than the gaps found so far tells nothing new.
+    const double bound2 = std::max({worker.gap2[a.surface], worker.gap2[b.surface], least2_});
+    BoxPairs pairs;
+    compare_boxes(a, b, same ? 0 : static_cast<float>(std::sqrt(bound2) * (1 + 1e-6)), pairs);
     for (std::uint32_t i = 0; i < a.count; i++) {
-      for (std::uint32_t j = 0; j < kLeaf; j++) {
-        float d = -1e30f;
-        for (int axis = 0; axis < 3; axis++) {
-          const float above = a.face_low[axis][i] - b.face_high[axis][j],
-                      below = b.face_low[axis][j] - a.face_high[axis][i];
-          d = above > d ? above : d;
-          d = below > d ? below : d;
-        }
-        apart[j] = d;
-      }
-      for (std::uint32_t j = &a == &b ? i + 1 : 0; j < b.count; j++)
-        if (apart[j] <= far) check_pair(a, a.face + i, b, b.face + j, worker);
+      std::uint64_t meet, near, later = ~std::uint64_t(0);
+      std::memcpy(&meet, pairs.meet[i], 8), std::memcpy(&near, pairs.near[i], 8);
+      if (&a == &b) later = i == kLeaf - 1 ? 0 : later << 8 * (i + 1);
+      worker.pairs += static_cast<unsigned>(__builtin_popcountll(meet & later));
+      for (near &= later; near; near &= near - 1)
+        check_pair(a, a.face + i, b, b.face + static_cast<std::uint32_t>(__builtin_ctzll(near) / 8), worker);
     }
   }
 
@@ -353,7 +382,6 @@ private:
   }
 
   void judge(Defect pair, Worker &worker) const {
-    worker.pairs++;
     if (pair.surface == pair.other_surface && pair.lift == glm::ivec3(0)) {
       judge_neighbours(pair, worker);
       return;
@@ -364,17 +392,17 @@ private:
     for (glm::dvec3 &corner : q)
       corner += glm::dvec3(pair.lift) * side_;
     double &gap2 = worker.gap2[pair.surface], &other_gap2 = worker.gap2[pair.other_surface];
-    const double least2 = options_.least_gap * options_.least_gap, bound = std::max({gap2, other_gap2, least2});
-    if (is_beside(p, q, bound) || is_beside(q, p, bound)) return;
+    const double bound2 = std::max({gap2, other_gap2, least2_});
+    if (is_beside(p, q, bound2) || is_beside(q, p, bound2)) return;
     if (meet(p, q)) {
       gap2 = other_gap2 = 0;
       pair.flaw = pair.surface == pair.other_surface ? Flaw::crossing_image : Flaw::crossing_cells;
-      add(pair, p, worker);
+      add(pair, p, q, worker);
       return;
     }
     const double distance2 = triangle_distance2(p, q);
     gap2 = std::min(gap2, distance2), other_gap2 = std::min(other_gap2, distance2);
-    if (distance2 < least2) add(pair, p, worker);
+    if (distance2 < least2_) add(pair, p, q, worker);
   }
 
   // Faces of one surface: common vertices (by number) come first, then what else they share is asked.
@@ -398,7 +426,7 @@ private:
                       : false)
       return;
     pair.flaw = common ? Flaw::fold : Flaw::crossing_self;
-    add(pair, p, worker);
+    add(pair, p, q, worker);
   }
 
   static bool meet(const Triangle &p, const Triangle &q) {
@@ -417,8 +445,13 @@ private:
     return nearest * nearest > std::max(doubt2, bound2 * glm::dot(normal, normal) * (1 + 1e-9));
   }
 
-  void add(Defect &pair, const Triangle &p, Worker &worker) const {
-    pair.where = (p[0] + p[1] + p[2]) / 3.0;
+  static Bounds bounds_of(const Triangle &p) {
+    return {glm::min(glm::min(p[0], p[1]), p[2]), glm::max(glm::max(p[0], p[1]), p[2])};
+  }
+
+  void add(Defect &pair, const Triangle &p, const Triangle &q, Worker &worker) const {
+    const Bounds a = bounds_of(p), b = bounds_of(q);
+    pair.where = 0.5 * (glm::max(a.low, b.low) + glm::min(a.high, b.high)); // amid what their boxes share
     worker.found.push_back(pair);
   }
 
@@ -429,7 +462,7 @@ private:
   Workers &workers_;
   const Progress &progress_;
   CheckResult &result_;
-  double margin_, edge_ = 1;
+  double margin_, least2_, edge_ = 1;
   bool all_changed_;
   glm::dvec3 low_{}, inverse_{}, side_{};
   glm::ivec3 places_{1};

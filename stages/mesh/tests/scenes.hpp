@@ -142,13 +142,13 @@ inline Surface copy_of(const SurfaceView &view) {
 }
 
 inline Done finish_tissue(const Tissue &tissue, SceneOptions scene_options, FinishOptions options,
-                          unsigned threads = 1) {
+                          unsigned threads = 1, const conceg::Progress &progress = {}) {
   scene_options.cluster = options.cluster, options.folder = ".";
   conceg::Workers workers(threads);
   const Scene scene = make_scene(tissue, scene_options);
   const Index index = make_index(scene, workers, {});
   Finished finished = finish(scene, index, {tissue.soma, tissue.soma, tissue.soma_radius}, tissue.box,
-                             options, workers, {});
+                             options, workers, progress);
   Done done;
   for (const SurfaceView &view : finished.surfaces)
     done.surfaces.push_back(copy_of(view));

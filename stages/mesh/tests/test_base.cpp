@@ -16,15 +16,15 @@ const double pi = 3.14159265358979323846;
 CheckResult judge(const std::vector<Surface> &surfaces, const conceg_box &box, double gap = 0.06) {
   conceg::Workers workers(2);
   CheckOptions options;
-  options.gap = gap;
-  return check_surfaces(surfaces, box, options, workers, {});
+  options.reach = 1.5 * gap;
+  return check_surfaces(views_of(surfaces), box, options, workers, {});
 }
 
 // Every surface sound; prints the first flaw.
 bool sound(const std::vector<Surface> &surfaces, const conceg_box &box, double *gap = nullptr) {
   const CheckResult result = judge(surfaces, box);
   for (const Defect &defect : result.defects) {
-    std::fprintf(stderr, "%s\n", describe(defect, surfaces).c_str());
+    std::fprintf(stderr, "%s\n", describe(defect, views_of(surfaces)).c_str());
     break;
   }
   if (gap) {
