@@ -303,21 +303,28 @@ void evaluate_block(const Scene &scene, const Index &index, std::size_t row, Blo
   separate(out, static_cast<float>(scene.gap), scene.snap);
 }
 
-std::int64_t nearest_cone(const Scene &scene, const Index &index, std::uint32_t cell,
-                          const glm::dvec3 &voxel) {
-  const Grid &grid = scene.grid;
+Place place_of(const Grid &grid, const Index &index, const glm::dvec3 &voxel) {
   const glm::ivec3 blocks = grid.blocks();
-  glm::ivec3 lift(0), at;
+  Place place;
+  glm::ivec3 at;
   for (int axis = 0; axis < 3; axis++) {
     int node = static_cast<int>(std::floor(voxel[axis]));
-    if (grid.periodic[axis]) lift[axis] = -static_cast<int>(std::floor(double(node) / grid.size[axis]));
-    node += lift[axis] * grid.size[axis] - grid.low[axis];
+    if (grid.periodic[axis]) place.lift[axis] = -static_cast<int>(std::floor(double(node) / grid.size[axis]));
+    node += place.lift[axis] * grid.size[axis] - grid.low[axis];
     at[axis] = std::min(blocks[axis] - 1, std::max(0, node / kBlock));
   }
   const auto block = static_cast<std::uint32_t>((at.z * blocks.y + at.y) * blocks.x + at.x);
   const auto found = std::lower_bound(index.block.begin(), index.block.end(), block);
-  if (found == index.block.end() || *found != block) return -1;
-  const std::size_t row = static_cast<std::size_t>(found - index.block.begin());
+  if (found != index.block.end() && *found == block) place.row = found - index.block.begin();
+  return place;
+}
+
+std::int64_t nearest_cone(const Scene &scene, const Index &index, std::uint32_t cell,
+                          const glm::dvec3 &voxel) {
+  const Grid &grid = scene.grid;
+  const auto [at, lift] = place_of(grid, index, voxel);
+  if (at < 0) return -1;
+  const auto row = static_cast<std::size_t>(at);
   const auto first = index.entry.begin() + static_cast<std::ptrdiff_t>(index.offset[row]);
   const auto last = index.entry.begin() + static_cast<std::ptrdiff_t>(index.offset[row + 1]);
   const auto key = [&](const IndexEntry &e) {

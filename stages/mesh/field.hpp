@@ -57,6 +57,13 @@ void evaluate_block(const Scene &scene, const Index &index, std::size_t row, Blo
 // Exact distance of a point (voxels, unwrapped) to one cone, in units. Double precision, for single points.
 double cone_distance(const Grid &grid, const Cone &cone, const glm::dvec3 &voxel);
 
+// Where a point given in unwrapped voxels lies: the row of its block, and the lift that brings it into the box.
+struct Place {
+  std::int64_t row = -1; // of the index; -1: no cone is within reach of the block
+  glm::ivec3 lift{};
+};
+Place place_of(const Grid &grid, const Index &index, const glm::dvec3 &voxel);
+
 // The cone of `cell` nearest to a point given in unwrapped voxels; -1 when none is within reach of the
 // point's block.
 std::int64_t nearest_cone(const Scene &scene, const Index &index, std::uint32_t cell,

@@ -5,6 +5,7 @@
 #include "final_check.hpp"
 #include "finish.hpp"
 #include "output.hpp"
+#include "pinch.hpp"
 #include "space.hpp"
 #include "view.hpp"
 #include "volume.hpp"
@@ -130,6 +131,22 @@ void warn_thin(conceg_ctx *ctx, const Scene &scene) {
                    scene.thin_points[worst]);
 }
 
+// Which cells the grid may break where a neighbour cuts into them.
+void warn_pinches(conceg_ctx *ctx, const Scene &scene, const std::vector<Pinch> &pinches) {
+  if (pinches.empty()) return;
+  const auto worst = std::min_element(pinches.begin(), pinches.end(),
+                                      [](const Pinch &l, const Pinch &r) { return l.left_um < r.left_um; });
+  for (const Pinch &p : pinches)
+    conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                   "mesh: cell %u may pinch off in %u segments: neighbours leave it %.3f um of %.3f um at "
+                   "(%.2f, %.2f, %.2f)",
+                   p.cell, p.segments, p.left_um, p.radius_um, p.where.x, p.where.y, p.where.z);
+  conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
+                 "mesh: %zu cells may pinch off where neighbours leave them less than the %.3f um that the grid of "
+                 "%.3f um holds (least in cell %u: %.3f um); -v names them, a smaller h_um keeps them",
+                 pinches.size(), kThinnestTube * scene.grid.unit, scene.grid.unit, worst->cell, worst->left_um);
+}
+
 // What the mesher knows to be lost.
 std::vector<std::uint8_t> report_pieces(conceg_ctx *ctx, const std::vector<Pieces> &pieces, const Views &surfaces) {
   std::vector<std::uint8_t> there(pieces.size());
@@ -157,9 +174,14 @@ std::vector<std::uint8_t> report_pieces(conceg_ctx *ctx, const std::vector<Piece
 void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done, const FinalCheck &check,
                    double total) {
   std::size_t faces = 0;
+  std::size_t handles = 0, with_handles = 0;
   double cut = 0, area = 0, gap = check.surfaces.empty() ? 0 : check.result.min_gap[0];
   for (const SurfaceView &surface : check.surfaces)
     faces += surface.faces, area += area_of(surface);
+  for (const SurfaceView &surface : check.surfaces) {
+    const std::int64_t genus = (2 - euler_characteristic(surface)) / 2;
+    handles += static_cast<std::size_t>(genus), with_handles += genus > 0;
+  }
   for (const Pieces &p : done.pieces)
     cut += p.detached_volume;
   for (const double g : check.result.min_gap)
@@ -174,6 +196,9 @@ void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done, 
                  "mesh: final check: %llu pairs of faces in all images, 0 crossings, 0 folds, all closed and "
                  "outward; least gap %.4f um",
                  static_cast<unsigned long long>(check.result.pairs_checked), gap);
+  if (handles)
+    conceg_ctx_log(ctx, CONCEG_LOG_INFO, "mesh: %zu cells touch themselves and have %zu handles (/meshes/genus)",
+                   with_handles, handles);
   if (cut > 0.01 * total)
     conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
                    "mesh: pieces cut off from their somas hold %.2f %% of the cell volume and are left out",
@@ -228,15 +253,17 @@ FinalCheck judge(conceg_doc *doc, const std::vector<std::uint8_t> &there, const 
 }
 
 void make_meshes(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, const Tissue &tissue,
-                 const SceneOptions &scene_options, Workers &workers, const Progress &progress) {
+                 const SceneOptions &scene_options, Workers &workers, const Progress &progress, Phases &phases) {
   const std::string side_file = conceg_params_text(params, "resume_file");
   const Scene scene = make_scene(tissue, scene_options);
   check_room(ctx, scene, scene_options.cluster, side_file);
   warn_thin(ctx, scene);
   const Index index = make_index(scene, workers, progress);
+  warn_pinches(ctx, scene, predict_pinches(scene, index, workers));
   workers.count(ctx, "mesh.index");
+  phases.end("index");
   if (conceg_params_bool(params, "space"))
-    report_space(ctx, extracellular_space(scene, index, workers, progress));
+    report_space(ctx, extracellular_space(scene, index, workers, progress)), phases.end("space");
   std::vector<glm::dvec3> origin;
   for (const glm::dvec3 &soma : tissue.soma)
     origin.push_back(snap(soma));
@@ -249,15 +276,18 @@ void make_meshes(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, 
   const Finished done =
       finish(scene, index, {origin, tissue.soma, tissue.soma_radius}, tissue.box, options, workers, progress);
   workers.count(ctx, "mesh.surfaces");
+  phases.end("surfaces");
   if (done.taken_over)
     conceg_ctx_log(ctx, CONCEG_LOG_INFO, "mesh: %zu cells taken over from %s", done.taken_over, side_file.c_str());
   const std::vector<std::uint8_t> there = report_pieces(ctx, done.pieces, done.surfaces);
   must(conceg_doc_drop(doc, "/meshes"));
   write_surfaces(doc, scene, index, done, workers);
   workers.count(ctx, "mesh.faces");
+  phases.end("write");
   const FinalCheck check = judge(doc, there, options, workers, progress);
   const double total = write_measures(doc, tissue.box, scene, check, done.pieces, options.gap, workers);
   report_result(ctx, tissue, done, check, total);
+  phases.end("final check");
   if (!side_file.empty()) std::remove(side_file.c_str());
 }
 
@@ -271,18 +301,24 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   options.cluster = conceg_params_bool(params, "cluster") != 0;
   Workers workers(conceg_ctx_threads(ctx));
   const Progress progress = progress_of(ctx);
-  make_meshes(ctx, doc, params, tissue, options, workers, progress);
+  Phases phases;
+  make_meshes(ctx, doc, params, tissue, options, workers, progress, phases);
 
   must(conceg_doc_drop(doc, "/volumes"));
   const char *vdb = conceg_params_text(params, "vdb");
   const bool wanted = conceg_params_bool(params, "volumes") != 0;
-  if (!wanted && !*vdb) return;
+  if (!wanted && !*vdb) {
+    tell_phases(ctx, "mesh", phases, workers.busy_s(), workers.threads());
+    return;
+  }
   const double step = conceg_params_f64(params, "volume_step_um");
   options.h = step > 0 ? step : 2 * options.h;
   const Volume volume = make_volume(tissue, options, workers, progress);
   workers.count(ctx, "mesh.volume");
   if (wanted) write_volumes(doc, volume);
   if (*vdb) write_vdb(leaves(volume), vdb);
+  phases.end("volume");
+  tell_phases(ctx, "mesh", phases, workers.busy_s(), workers.threads());
 }
 
 conceg_status check(conceg_ctx *ctx, conceg_doc *, const conceg_params *params) {
