@@ -25,7 +25,7 @@ constexpr double kGapReach = 1.5; // gaps are measured up to so many times the g
 const conceg_param parameters[] = {
     {"h_um", "um", "largest step of the common grid; tubes thinner than 0.92 of it may break", "0.16",
      nullptr, CONCEG_PARAM_F64, 0, 0.01, 100},
-    {"gap_um", "um", "gap between cells in contact; the meshes keep at least a third of it", "0.06", nullptr,
+    {"gap_um", "um", "gap between cells in contact; the meshes keep at least half of it", "0.04", nullptr,
      CONCEG_PARAM_F64, 0, 0.001, 10},
     {"inflate_um", "um",
      "widens all cells before they are separated: packing control (at most a quarter of the radius)", "0",
@@ -43,8 +43,9 @@ const conceg_param parameters[] = {
      0, 0, 100},
     {"space", "", "measure the extracellular space on the grid's tetrahedra, its pieces too (periodic boxes)",
      "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
-    {"resume_file", "",
-     "keeps finished surfaces in this file while the run goes on; after a kill the same command goes on from there",
+    {"checkpoint", "",
+     "keeps finished surfaces in this file while the run goes on; after a kill the same command goes on from "
+     "there",
      "", nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
     {"vdb", "", "also write the volumes as an OpenVDB file", "", nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};
@@ -102,7 +103,8 @@ constexpr double kChunkBytes = 11, kSurfaceBytes = 18, kDocumentBytes = 33;
 // one another and simplification only lessen.
 void check_room(conceg_ctx *ctx, const Scene &scene, bool light, const std::string &side_file) {
   const double unit = scene.grid.unit, faces = (light ? 3 : 9) * primitive_area(scene);
-  const double document = kDocumentBytes * faces > double(conceg_ctx_memory(ctx)) ? kDocumentBytes * faces : 0;
+  const double document =
+      kDocumentBytes * faces > double(conceg_ctx_memory(ctx)) ? kDocumentBytes * faces : 0;
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
                  "mesh: %.0f um2 of membrane on a grid of %.3f um: at most about %.2g faces before "
                  "simplification, %.1f GB of temporary files",
@@ -141,14 +143,16 @@ void warn_pinches(conceg_ctx *ctx, const Scene &scene, const std::vector<Pinch> 
                    "mesh: cell %u may pinch off in %u segments: neighbours leave it %.3f um of %.3f um at "
                    "(%.2f, %.2f, %.2f)",
                    p.cell, p.segments, p.left_um, p.radius_um, p.where.x, p.where.y, p.where.z);
-  conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
-                 "mesh: %zu cells may pinch off where neighbours leave them less than the %.3f um that the grid of "
-                 "%.3f um holds (least in cell %u: %.3f um); -v names them, a smaller h_um keeps them",
-                 pinches.size(), kThinnestTube * scene.grid.unit, scene.grid.unit, worst->cell, worst->left_um);
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_WARNING,
+      "mesh: %zu cells may pinch off where neighbours leave them less than the %.3f um that the grid of "
+      "%.3f um holds (least in cell %u: %.3f um); -v names them, a smaller h_um keeps them",
+      pinches.size(), kThinnestTube * scene.grid.unit, scene.grid.unit, worst->cell, worst->left_um);
 }
 
 // What the mesher knows to be lost.
-std::vector<std::uint8_t> report_pieces(conceg_ctx *ctx, const std::vector<Pieces> &pieces, const Views &surfaces) {
+std::vector<std::uint8_t> report_pieces(conceg_ctx *ctx, const std::vector<Pieces> &pieces,
+                                        const Views &surfaces) {
   std::vector<std::uint8_t> there(pieces.size());
   for (const SurfaceView &surface : surfaces)
     there[surface.cell] = 1;
@@ -186,19 +190,21 @@ void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done, 
     cut += p.detached_volume;
   for (const double g : check.result.min_gap)
     gap = std::min(gap, g);
-  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
-                 "mesh: %zu surfaces, %zu faces (%.1f per um2; %llu before simplification), %llu places repaired "
-                 "in %d rounds, cells fill %.4f of the box",
-                 check.surfaces.size(), faces, area > 0 ? double(faces) / area : 0.0,
-                 static_cast<unsigned long long>(done.base_faces),
-                 static_cast<unsigned long long>(done.repaired_pairs), done.rounds, total / volume(tissue.box));
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_INFO,
+      "mesh: %zu surfaces, %zu faces (%.1f per um2; %llu before simplification), %llu places repaired "
+      "in %d rounds, cells fill %.4f of the box",
+      check.surfaces.size(), faces, area > 0 ? double(faces) / area : 0.0,
+      static_cast<unsigned long long>(done.base_faces), static_cast<unsigned long long>(done.repaired_pairs),
+      done.rounds, total / volume(tissue.box));
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
                  "mesh: final check: %llu pairs of faces in all images, 0 crossings, 0 folds, all closed and "
                  "outward; least gap %.4f um",
                  static_cast<unsigned long long>(check.result.pairs_checked), gap);
   if (handles)
-    conceg_ctx_log(ctx, CONCEG_LOG_INFO, "mesh: %zu cells touch themselves and have %zu handles (/meshes/genus)",
-                   with_handles, handles);
+    conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                   "mesh: %zu cells touch themselves and have %zu handles (/meshes/genus)", with_handles,
+                   handles);
   if (cut > 0.01 * total)
     conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
                    "mesh: pieces cut off from their somas hold %.2f %% of the cell volume and are left out",
@@ -243,18 +249,21 @@ FinalCheck judge(conceg_doc *doc, const std::vector<std::uint8_t> &there, const 
                                     workers, progress);
   // Known to be lost and said so; all others must be there.
   auto &missing = check.missing;
-  missing.erase(std::remove_if(missing.begin(), missing.end(), [&](std::uint32_t cell) { return !there[cell]; }),
-                missing.end());
+  missing.erase(
+      std::remove_if(missing.begin(), missing.end(), [&](std::uint32_t cell) { return !there[cell]; }),
+      missing.end());
   const std::vector<std::string> lines = check.lines(1);
   if (lines.empty()) return check;
   must(conceg_doc_drop(doc, "/meshes"));
-  fail(CONCEG_E_STAGE, "%s; %zu such places in all, no meshes were written: try a smaller h_um or tolerance_um=0",
+  fail(CONCEG_E_STAGE,
+       "%s; %zu such places in all, no meshes were written: try a smaller h_um or tolerance_um=0",
        lines[0].c_str(), check.broken.size() + check.result.defects.size() + missing.size());
 }
 
 void make_meshes(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, const Tissue &tissue,
-                 const SceneOptions &scene_options, Workers &workers, const Progress &progress, Phases &phases) {
-  const std::string side_file = conceg_params_text(params, "resume_file");
+                 const SceneOptions &scene_options, Workers &workers, const Progress &progress,
+                 Phases &phases) {
+  const std::string side_file = conceg_params_text(params, "checkpoint");
   const Scene scene = make_scene(tissue, scene_options);
   check_room(ctx, scene, scene_options.cluster, side_file);
   warn_thin(ctx, scene);
@@ -278,7 +287,8 @@ void make_meshes(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, 
   workers.count(ctx, "mesh.surfaces");
   phases.end("surfaces");
   if (done.taken_over)
-    conceg_ctx_log(ctx, CONCEG_LOG_INFO, "mesh: %zu cells taken over from %s", done.taken_over, side_file.c_str());
+    conceg_ctx_log(ctx, CONCEG_LOG_INFO, "mesh: %zu cells taken over from %s", done.taken_over,
+                   side_file.c_str());
   const std::vector<std::uint8_t> there = report_pieces(ctx, done.pieces, done.surfaces);
   must(conceg_doc_drop(doc, "/meshes"));
   write_surfaces(doc, scene, index, done, workers);

@@ -51,7 +51,8 @@ std::size_t size_of(const char *path) {
 Tissue fence() {
   Tissue tissue = empty_box(24);
   for (int i = 0; i < 60; i++)
-    add_tube(tissue, {2.0 + 2.2 * (i % 10), 3, 1.5 + 3.6 * (i / 10)}, {2.4 + 2.2 * (i % 10), 20, 2.5 + 3.6 * (i / 10)}, 0.9);
+    add_tube(tissue, {2.0 + 2.2 * (i % 10), 3, 1.5 + 3.6 * (i / 10)},
+             {2.4 + 2.2 * (i % 10), 20, 2.5 + 3.6 * (i / 10)}, 0.9);
   return tissue;
 }
 
@@ -62,9 +63,10 @@ void killed_run_goes_on() {
   std::remove(side_file);
   const pid_t child = fork();
   if (child == 0) { // half way it is killed
-    finish_tissue(tissue, coarse(), stream_options(), 2, [](const char *, std::uint64_t done, std::uint64_t all) {
-      return 2 * done < all || raise(SIGKILL) != 0;
-    });
+    finish_tissue(tissue, coarse(), stream_options(), 2,
+                  [](const char *, std::uint64_t done, std::uint64_t all) {
+                    return 2 * done < all || raise(SIGKILL) != 0;
+                  });
     _exit(0);
   }
   int status = 0;
@@ -78,6 +80,15 @@ void killed_run_goes_on() {
   const Done again = finish_tissue(tissue, coarse(), stream_options(), 1);
   CHECK_EQUAL(again.taken_over, tissue.cells());
   same_bytes(whole, again);
+  // What is foreseen of the disk: faces by the area, bytes by the face.
+  const double foreseen = 3 * primitive_area(make_scene(tissue, coarse()));
+  CHECK(double(whole.base_faces) < foreseen && double(whole.base_faces) > 0.6 * foreseen);
+  std::size_t faces = 0;
+  for (const Surface &surface : whole.surfaces)
+    faces += surface.face.size();
+  const double bytes = double(size_of(side_file)) / double(faces);
+  std::printf("%zu of %.0f faces foreseen, %.2f bytes a face\n", std::size_t(whole.base_faces), foreseen, bytes);
+  CHECK(bytes > 17.9 && bytes < 19);
   std::remove(side_file);
 }
 
@@ -147,7 +158,7 @@ void little_memory_is_enough() {
     if (i) conceg_ctx_set_memory(ctx, 1u << 20);
     conceg_doc *doc = document_of(ctx, tissue);
     std::vector<const char *> sets = {"mesh.h_um=0.3", "mesh.volumes=false"};
-    if (i) sets.push_back("mesh.resume_file=test_mesh_stream.side");
+    if (i) sets.push_back("mesh.checkpoint=test_mesh_stream.side");
     CHECK_EQUAL(run_stage(ctx, doc, sets), CONCEG_OK);
     CHECK_TEXT(conceg_ctx_error(ctx), "");
     char hex[65] = "";
