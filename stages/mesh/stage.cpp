@@ -6,8 +6,9 @@
 #include "extract.hpp"
 #include "faces.hpp"
 #include "finish.hpp"
+#include "smooth.hpp"
 #include "space.hpp"
-#include "volume.hpp"
+#include "volume_output.hpp"
 #include "wrap.hpp"
 
 #include <cmath>
@@ -33,6 +34,9 @@ const conceg_param parameters[] = {
     {"tolerance_um", "um",
      "how far simplification may move a surface where no other is near; 0 = no simplification", "0.05",
      nullptr, CONCEG_PARAM_F64, 0, 0, 10},
+    {"smooth", "",
+     "one smooth surface of a single cell by OpenVDB instead of the grid's tetrahedra; not simplified",
+     "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"volumes", "", "write label and distance volumes", "true", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"volume_step_um", "um", "largest voxel of the volumes; 0 = twice h_um", "0", nullptr, CONCEG_PARAM_F64,
      0, 0, 100},
@@ -213,17 +217,6 @@ void write_measures(conceg_doc *doc, const Tissue &tissue, const Scene &scene,
   put_scalar(doc, "/meshes@pairs_checked", check.pairs_checked);
 }
 
-void write_volumes(conceg_doc *doc, const Volume &volume) {
-  put(doc, "/volumes@origin", &volume.origin.x, 3);
-  put(doc, "/volumes@spacing", &volume.spacing.x, 3);
-  const std::uint64_t shape[3] = {std::uint64_t(volume.shape.x), std::uint64_t(volume.shape.y),
-                                  std::uint64_t(volume.shape.z)};
-  put(doc, "/volumes@shape", shape, 3);
-  put3(doc, "/volumes/leaf_origin", volume.leaf_origin);
-  put(doc, "/volumes/label", volume.label, kLeafVoxels);
-  put(doc, "/volumes/distance", volume.distance, kLeafVoxels);
-}
-
 void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done) {
   std::size_t faces = 0;
   double total = 0, cut = 0;
@@ -263,6 +256,10 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   options.cluster = conceg_params_bool(params, "cluster") != 0;
   Workers workers(conceg_ctx_threads(ctx));
   const Progress progress = progress_of(ctx);
+  const bool smooth = conceg_params_bool(params, "smooth") != 0;
+  if (smooth && tissue.cells() != 1)
+    fail(CONCEG_E_PARAM, "smooth: expected a single cell, got %zu; leave smooth out", tissue.cells());
+  const VolumeOutput volume(ctx, params, tissue, options, workers);
   const Scene scene = make_scene(tissue, options);
   predict_cost(ctx, scene, options.cluster);
   warn_thin(ctx, scene);
@@ -277,8 +274,9 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   finish_options.tolerance = conceg_params_f64(params, "tolerance_um");
   finish_options.gap = options.gap;
   finish_options.cluster = options.cluster;
-  const Finished done = finish(scene, index, {origin, tissue.soma, tissue.soma_radius}, tissue.box,
-                               finish_options, workers, progress);
+  const Finished done = smooth ? smooth_cell(tissue, options, origin[0], workers, progress)
+                               : finish(scene, index, {origin, tissue.soma, tissue.soma_radius}, tissue.box,
+                                        finish_options, workers, progress);
   workers.count(ctx, "mesh.surfaces");
   report_pieces(ctx, done.pieces, done.surfaces);
   if (done.check.errors)
@@ -295,23 +293,15 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   write_measures(doc, tissue, scene, done.surfaces, done.check, done.pieces, options.gap);
   workers.count(ctx, "mesh.faces");
   report_result(ctx, tissue, done);
-
-  const char *vdb = conceg_params_text(params, "vdb");
-  const bool wanted = conceg_params_bool(params, "volumes") != 0;
-  if (!wanted && !*vdb) return;
-  const double step = conceg_params_f64(params, "volume_step_um");
-  options.h = step > 0 ? step : 2 * options.h;
-  const Volume volume = make_volume(tissue, options, workers, progress);
-  workers.count(ctx, "mesh.volume");
-  if (wanted) write_volumes(doc, volume);
-  if (*vdb) write_vdb(leaves(volume), vdb);
+  volume.write(ctx, doc, workers);
 }
 
 conceg_status check(conceg_ctx *ctx, conceg_doc *, const conceg_params *params) {
   return guard(ctx, "mesh", [&] {
-    if (*conceg_params_text(params, "vdb") && !vdb_available())
-      fail(CONCEG_E_UNSUPPORTED,
-           "vdb: this build has no OpenVDB; install libopenvdb-dev and build again, or leave --vdb out");
+    if (vdb_available()) return;
+    if (*conceg_params_text(params, "vdb") || conceg_params_bool(params, "smooth"))
+      fail(CONCEG_E_UNSUPPORTED, "vdb, smooth: this build has no OpenVDB; install libopenvdb-dev and build "
+                                 "again, or leave both out");
   });
 }
 
