@@ -6,11 +6,13 @@
 #include "extract.hpp"
 #include "faces.hpp"
 #include "finish.hpp"
+#include "pinch.hpp"
 #include "smooth.hpp"
 #include "space.hpp"
 #include "volume_output.hpp"
 #include "wrap.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace {
@@ -105,19 +107,27 @@ void predict_cost(conceg_ctx *ctx, const Scene &scene, bool light) {
                    1e-9 * bytes, 1e-9 * double(conceg_ctx_memory(ctx)));
 }
 
-void warn_thin(conceg_ctx *ctx, const Scene &scene) {
-  std::size_t points = 0, cells = 0, worst = 0;
-  for (std::size_t cell = 0; cell < scene.cells; cell++) {
-    points += scene.thin_points[cell], cells += scene.thin_points[cell] > 0;
-    if (scene.thin_points[cell] > scene.thin_points[worst]) worst = cell;
-  }
-  if (points)
+// Names the cells that the grid may break, narrowest first.
+void warn_narrow(conceg_ctx *ctx, const Scene &scene, const std::vector<Narrow> &narrow) {
+  constexpr std::size_t most = 5;
+  std::vector<std::size_t> cells;
+  for (std::size_t cell = 0; cell < narrow.size(); cell++)
+    if (narrow[cell].places) cells.push_back(cell);
+  if (cells.empty()) return;
+  std::stable_sort(cells.begin(), cells.end(),
+                   [&](std::size_t l, std::size_t r) { return narrow[l].least < narrow[r].least; });
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_WARNING,
+      "mesh: %zu cells have places with less than the %.3f um that a grid of %.3f um is sure to hold, "
+      "and may break there; a smaller h_um keeps them. The narrowest:",
+      cells.size(), kThinnestTube * scene.grid.unit, scene.grid.unit);
+  for (std::size_t i = 0; i < std::min(most, cells.size()); i++) {
+    const Narrow &place = narrow[cells[i]];
     conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
-                   "mesh: %zu skeleton points of %zu cells are thinner than %.3f um, which the grid of %.3f "
-                   "um may break (most in cell %zu: %u); "
-                   "a smaller h_um keeps them",
-                   points, cells, kThinnestTube * scene.grid.unit, scene.grid.unit, worst,
-                   scene.thin_points[worst]);
+                   "mesh: cell %zu: %.3f um at (%.2f, %.2f, %.2f) um, %llu places in all", cells[i],
+                   std::max(0.0, place.least), place.where.x, place.where.y, place.where.z,
+                   static_cast<unsigned long long>(place.places));
+  }
 }
 
 void report_pieces(conceg_ctx *ctx, const std::vector<Pieces> &pieces, const std::vector<Surface> &surfaces) {
@@ -258,13 +268,13 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   const Progress progress = progress_of(ctx);
   const bool smooth = conceg_params_bool(params, "smooth") != 0;
   if (smooth && tissue.cells() != 1)
-    fail(CONCEG_E_PARAM, "smooth: expected a single cell, got %zu; leave smooth out", tissue.cells());
+    fail(CONCEG_E_RANGE, "smooth: expected a single cell, got %zu; leave smooth out", tissue.cells());
   const VolumeOutput volume(ctx, params, tissue, options, workers);
   const Scene scene = make_scene(tissue, options);
   predict_cost(ctx, scene, options.cluster);
-  warn_thin(ctx, scene);
   const Index index = make_index(scene, workers, progress);
   workers.count(ctx, "mesh.index");
+  warn_narrow(ctx, scene, narrow_places(scene, index, workers));
   if (conceg_params_bool(params, "space"))
     report_space(ctx, extracellular_space(scene, index, workers, progress));
   std::vector<glm::dvec3> origin;

@@ -9,6 +9,8 @@
 
 #include <glm/geometric.hpp>
 
+#include <cmath>
+#include <cstdio>
 #include <memory>
 
 namespace {
@@ -38,6 +40,10 @@ const conceg_param parameters[] = {
     {"cut_axis", "", "axis normal to the cut", "y", "x|y|z", CONCEG_PARAM_CHOICE, 0, 0, 0},
     {"cut_position", "1", "place of the cut between the lower (0) and the upper (1) end", "0.5", nullptr,
      CONCEG_PARAM_F64, 0, 0, 1},
+    {"zoom_um", "um", "draw only a cube of this side; 0 = all", "0", nullptr, CONCEG_PARAM_F64, 0, 0, 1e6},
+    {"zoom_at", "um", "middle of that cube, as x,y,z; empty = middle of what there is", "", nullptr,
+     CONCEG_PARAM_TEXT, 0, 0, 0},
+    {"wire", "", "draw the edges of the triangles", "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};
 
 bool from_meshes(conceg_doc *doc, const conceg_params *params) {
@@ -95,6 +101,15 @@ void add_cones(const conceg_substrate *substrate, const CellInfo &info, Cell &ce
   }
 }
 
+void zoom_in(Scene &scene, double size, const char *at) {
+  glm::dvec3 centre = 0.5 * (scene.lo + scene.hi);
+  int end = 0;
+  if (*at && (std::sscanf(at, "%lf,%lf,%lf%n", &centre.x, &centre.y, &centre.z, &end) != 3 || at[end] ||
+              !std::isfinite(centre.x + centre.y + centre.z)))
+    fail(CONCEG_E_PARAM, "zoom_at: expected three numbers such as 10,20.5,3, got \"%s\"", at);
+  zoom(scene, centre, size);
+}
+
 Scene make_scene(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, Workers &workers,
                  std::vector<CellInfo> &chosen) {
   conceg_substrate *opened = nullptr;
@@ -121,7 +136,10 @@ Scene make_scene(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, 
   else
     for (std::size_t i = 0; i < cells.size(); i++)
       add_cones(opened, chosen[i], cells[i]);
+  scene.wire = conceg_params_bool(params, "wire") != 0;
   add_bodies(scene, cells, workers, progress_of(ctx));
+  const double size = conceg_params_f64(params, "zoom_um");
+  if (size > 0) zoom_in(scene, size, conceg_params_text(params, "zoom_at"));
   return scene;
 }
 
