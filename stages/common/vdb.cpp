@@ -127,6 +127,7 @@ VdbSurface surface_of(const LeafVolume &volume) {
   VdbSurface out;
   for (const openvdb::Vec3s &p : points)
     out.vertex.emplace_back(p.x(), p.y(), p.z());
+  out.raw = out.vertex;
   out.normal.assign(points.size(), glm::dvec3(0, 0, 1));
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size()), [&](const auto &range) {
     const Sampler sampler(*grid, volume.spacing);

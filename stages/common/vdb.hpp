@@ -30,6 +30,7 @@ void write_vdb(const LeafVolume &volume, const std::string &path);
 
 struct VdbSurface {
   std::vector<glm::dvec3> vertex; // um
+  std::vector<glm::dvec3> raw;    // where the mesher put them, each in a voxel of its own
   std::vector<glm::dvec3> normal; // outward, unit
   std::vector<glm::uvec3> face;   // outward
 };

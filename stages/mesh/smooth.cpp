@@ -13,6 +13,7 @@ namespace conceg::mesh {
 namespace {
 
 constexpr double kWidestSag = 0.1; // steps; on a crease the normals say nothing about a curvature
+constexpr int kRepairs = 8;        // rounds
 
 // The cell in an open box that holds all of it, whole steps wide, so that the grid is cubic.
 Tissue free_cell(const Tissue &tissue, double h) {
@@ -66,6 +67,39 @@ Surface written_surface(const VdbSurface &smooth, const glm::dvec3 &origin) {
   return surface;
 }
 
+// Where the surface meets itself (in clefts as narrow as a step), vertices go back to where the mesher put
+// them: those of the faces concerned in the first round, then a ring more in each. Returns the number of such
+// places.
+std::uint64_t repair(VdbSurface &smooth, const conceg_box &box, const glm::dvec3 &origin,
+                     const CheckOptions &options, int &rounds, Workers &workers, const Progress &progress) {
+  std::vector<std::uint8_t> back(smooth.vertex.size(), 0);
+  std::uint64_t places = 0;
+  for (rounds = 0; rounds < kRepairs; rounds++) {
+    const std::vector<Surface> surfaces = {written_surface(smooth, origin)};
+    const CheckResult check = check_surfaces(surfaces, box, options, workers, progress);
+    std::uint64_t found = 0;
+    for (const Defect &defect : check.defects)
+      if (defect.flaw == Flaw::crossing_self || defect.flaw == Flaw::fold) {
+        found++;
+        for (const std::uint32_t f : {defect.face, defect.other_face})
+          for (int k = 0; k < 3; k++)
+            back[smooth.face[f][k]] = 1;
+      }
+    if (!found) break;
+    places += found;
+    for (int ring = 0; ring < rounds; ring++) {
+      const std::vector<std::uint8_t> before = back;
+      for (const glm::uvec3 &face : smooth.face)
+        if (before[face.x] || before[face.y] || before[face.z])
+          for (int k = 0; k < 3; k++)
+            back[face[k]] = 1;
+    }
+    for (std::size_t v = 0; v < back.size(); v++)
+      if (back[v]) smooth.vertex[v] = smooth.raw[v];
+  }
+  return places;
+}
+
 } // namespace
 
 Finished smooth_cell(const Tissue &tissue, const SceneOptions &options, const glm::dvec3 &origin,
@@ -79,6 +113,9 @@ Finished smooth_cell(const Tissue &tissue, const SceneOptions &options, const gl
   }
   make_up_for_flat_faces(smooth, options.h);
   Finished done;
+  CheckOptions check;
+  check.gap = options.gap;
+  done.repaired_pairs = repair(smooth, tissue.box, origin, check, done.rounds, workers, progress);
   done.base_faces = smooth.face.size();
   done.surfaces.push_back(written_surface(smooth, origin));
   done.pieces.push_back(
@@ -86,8 +123,6 @@ Finished smooth_cell(const Tissue &tissue, const SceneOptions &options, const gl
   if (done.surfaces[0].face.empty())
     fail(CONCEG_E_STAGE, "mesh: nothing of the cell is large enough for a grid of %g um; lower h_um",
          options.h);
-  CheckOptions check;
-  check.gap = options.gap;
   done.check = check_surfaces(done.surfaces, tissue.box, check, workers, progress);
   return done;
 }

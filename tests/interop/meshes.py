@@ -203,6 +203,10 @@ plants_conf = {
 }
 
 
+def conf_names(path):
+    return {line.split()[1] for line in path.read_text().splitlines() if line.startswith("ply ")}
+
+
 def mcdc_rules(work):
     folder, copy = work / "mcdc", work / "planted"
     for conf in ("intra.conf", "extra.conf"):
@@ -211,7 +215,7 @@ def mcdc_rules(work):
     flaw = lint_ply(folder / "all_cells.ply")
     expect(flaw is None, f"MC/DC: all_cells.ply: {flaw}")
     shutil.copytree(folder, copy)
-    cell = next(copy.glob("*[0-9].ply"))
+    cell = next(path for path in copy.glob("*.ply") if path.name in conf_names(copy / "intra.conf"))
     text, conf = cell.read_text(), (copy / "intra.conf").read_text()
     (copy / "bad.ply").write_text(drop_last(text))
     for name, change in plants_conf.items():

@@ -60,8 +60,10 @@ double volume_error(const Tissue &tissue, const Finished &done, double h) {
 void tubes_side_by_side() {
   for (const double overlap : {0.0, 0.1}) {
     Tissue tissue = empty_box(16);
-    add_tube(tissue, {2, 7.03, 8.1}, {14, 7.03, 8.1}, 0.7);
-    add_tube(tissue, {2, 7.03 + 1.4 - overlap, 8.1}, {14, 7.03 + 1.4 - overlap, 8.1}, 0.7);
+    const glm::dvec3 a(2.1, 6.7, 8.3), b(13.9, 7.5, 7.6),
+        aside = (1.4 - overlap) * glm::normalize(glm::cross(b - a, glm::dvec3(0, 0.1, 1)));
+    add_tube(tissue, a, b, 0.7);
+    add_tube(tissue, a + aside, b + aside, 0.7);
     const Finished done = finished(tissue, 0.2);
     CHECK(sound("touching tubes", tissue, done));
     CHECK(done.check.min_gap[0] < 1.5 * gap); // they do touch
@@ -76,7 +78,7 @@ void tubes_cross_at_any_angle() {
     Tissue tissue = empty_box(16);
     const double angle = degrees * pi / 180;
     const glm::dvec3 along(std::cos(angle), std::sin(angle), 0.04), centre(8.05, 8.02, 8.9);
-    add_tube(tissue, {2, 8, 8}, {14, 8, 8}, 0.6);
+    add_tube(tissue, {2.1, 7.6, 8.3}, {13.9, 8.4, 7.7}, 0.6); // along no axis, for the sake of the counting
     add_tube(tissue, centre - 6.0 * along, centre + 6.0 * along, 0.6); // 0.3 um into the first
     const Finished done = finished(tissue, 0.2);
     CHECK(sound("crossing tubes", tissue, done));
@@ -86,9 +88,6 @@ void tubes_cross_at_any_angle() {
       CHECK_EQUAL(pieces.detached, 0);
     const double error = volume_error(tissue, done, 0.08);
     std::printf("tubes crossing at %.0f degrees: volumes within %.4f of the field's\n", degrees, error);
-    for (const double h : {0.16, 0.08, 0.04, 0.02})
-      printf("  ref h %.2f: %.4f %.4f  mesh %.4f %.4f\n", h, counted(tissue, h)[0], counted(tissue, h)[1],
-             volume_of(done.surfaces[0]), volume_of(done.surfaces[1]));
     CHECK(error < 0.02);
   }
 }
@@ -284,22 +283,22 @@ Fate fate_of(double radius, double cut, std::uint64_t turn, double h) {
 
 void cells_that_break_are_named() {
   const double h = 0.25;
-  unsigned broken = 0, named = 0, whole = 0, unnamed_and_broken = 0, hopeless_and_whole = 0;
+  unsigned broken = 0, named = 0, whole = 0, unnamed_and_broken = 0, thin = 0, thin_and_broken = 0;
   for (std::uint64_t turn = 0; turn < 120; turn++) {
     const double radius = h * (0.4 + 1.1 * double(turn % 24) / 23),
                  cut = turn % 3 == 0 ? 0 : radius * 0.3 * (turn % 5);
     const Fate fate = fate_of(radius, cut, turn, h);
     broken += fate.broken, named += fate.named, whole += !fate.broken && !fate.named;
     unnamed_and_broken += fate.broken && !fate.named;
-    hopeless_and_whole += !fate.broken && fate.left < 0.25;
+    thin += fate.left < 0.6, thin_and_broken += fate.left < 0.6 && fate.broken;
   }
   std::printf(
-      "120 tubes of 0.4 to 1.5 h: %u break, %u are named, %u are neither; %u break unnamed, %u with less "
-      "than 0.25 h left stay whole\n",
-      broken, named, whole, unnamed_and_broken, hopeless_and_whole);
+      "120 tubes of 0.4 to 1.5 h: %u break, %u are named, %u are neither, %u break unnamed; of %u with less "
+      "than 0.6 h left %u break\n",
+      broken, named, whole, unnamed_and_broken, thin, thin_and_broken);
   CHECK(broken > 15 && whole > 30);
   CHECK_EQUAL(unnamed_and_broken, 0);
-  CHECK_EQUAL(hopeless_and_whole, 0);
+  CHECK(broken > thin_and_broken); // a lower threshold would miss some
 }
 
 void narrow_places_are_told() {
