@@ -111,7 +111,7 @@ private:
     glm::dvec3 normal = hit.normal, place = start + hit.distance * camera_.forward();
     sample.body = hit.body, sample.depth = static_cast<float>(hit.distance);
     sample.albedo = albedo_[static_cast<std::size_t>(hit.body)];
-    if (hit.rim < 0.5 * wire_px * view_.um_per_pixel)
+    if (!hit.inside && hit.rim < 0.5 * wire_px * view_.um_per_pixel)
       sample.albedo = glm::mix(sample.albedo, to_linear(edge_colour), 0.55f);
     if (hit.inside) { // the ray entered the box within a cell: the cell's cut face is seen
       place = start + from * camera_.forward(), normal = box_normal(scene_, place),

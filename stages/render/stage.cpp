@@ -9,6 +9,7 @@
 
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -23,8 +24,8 @@ const conceg_param parameters[] = {
      "pictures to make: the cells in the box, a cut through it, or both (of a single cell only the first)",
      "both", "both|cells|cut", CONCEG_PARAM_CHOICE, 0, 0, 0},
     {"dir", "", "folder to write into; made when absent", "pictures", nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
-    {"cells", "", "all, one row such as 7, or one id such as id:12; a single cell is drawn whole", "all",
-     nullptr, CONCEG_PARAM_TEXT, 0, 0, 0},
+    {"cells", "", "all, or rows such as 7 and ids such as id:12 with commas between; these are drawn whole",
+     "all", nullptr, CONCEG_PARAM_TEXT, 0, 0, 0},
     {"whole", "", "draw whole cells instead of what lies in the box", "false", nullptr, CONCEG_PARAM_BOOL, 0,
      0, 0},
     {"of", "",
@@ -110,18 +111,29 @@ void zoom_in(Scene &scene, double size, const char *at) {
   zoom(scene, centre, size);
 }
 
+std::vector<CellInfo> cells_of(const conceg_substrate *substrate, const std::string &list) {
+  std::vector<CellInfo> chosen;
+  for (std::size_t begin = 0, end; begin <= list.size(); begin = end + 1) {
+    end = std::min(list.find(',', begin), list.size());
+    for (CellInfo &cell : select_cells(substrate, list.substr(begin, end - begin)))
+      chosen.push_back(std::move(cell));
+  }
+  return chosen;
+}
+
 Scene make_scene(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, Workers &workers,
                  std::vector<CellInfo> &chosen) {
   conceg_substrate *opened = nullptr;
   must(conceg_substrate_open(doc, &opened));
   const std::shared_ptr<conceg_substrate> substrate(opened, conceg_substrate_free);
   const std::string wanted = conceg_params_text(params, "cells");
-  chosen = select_cells(opened, wanted);
+  chosen = cells_of(opened, wanted);
   Scene scene;
   scene.box = read_box(doc);
   const View<double> pia = view<double>(doc, "/domain@pia", 3);
   scene.pia = {pia[0], pia[1], pia[2]};
-  scene.clipped = wanted == "all" && !conceg_params_bool(params, "whole");
+  const double size = conceg_params_f64(params, "zoom_um");
+  scene.clipped = size > 0 || (wanted == "all" && !conceg_params_bool(params, "whole"));
   scene.types = texts(doc, "/types/name");
   scene.type_colour = type_colours(texts(doc, "/types/class"));
   std::vector<Cell> cells(chosen.size());
@@ -138,7 +150,6 @@ Scene make_scene(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, 
       add_cones(opened, chosen[i], cells[i]);
   scene.wire = conceg_params_bool(params, "wire") != 0;
   add_bodies(scene, cells, workers, progress_of(ctx));
-  const double size = conceg_params_f64(params, "zoom_um");
   if (size > 0) zoom_in(scene, size, conceg_params_text(params, "zoom_at"));
   return scene;
 }
@@ -160,7 +171,7 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
     const Scene scene = make_scene(ctx, doc, params, workers, chosen);
     std::string dir = conceg_params_text(params, "dir"), name = "cells.png", cut_name = "cut.png";
     if (dir.empty()) fail(CONCEG_E_PARAM, "dir: expected the name of a folder, got an empty text");
-    const bool single = std::string(conceg_params_text(params, "cells")) != "all";
+    const bool single = chosen.size() == 1 && std::string(conceg_params_text(params, "cells")) != "all";
     if (single) {
       char number[40];
       std::snprintf(number, sizeof number, "cell_%04llu",

@@ -102,6 +102,8 @@ static void pictures() {
   CHECK_EQUAL(run(false, true, {"dir=" + dir_of("whole"), "whole=true", "samples=1", "elevation_deg=90"}),
               CONCEG_OK);
   check_picture(dir_of("whole/cells.png"), 240);
+  CHECK_EQUAL(run(false, true, {"dir=" + dir_of("two"), "cells=0,id:30", "what=cells"}), CONCEG_OK);
+  check_picture(dir_of("two/cells.png"), 240);
   // A corner of the box with one cell's soma in it, plain and with wires: two pictures that differ.
   CHECK_EQUAL(run(false, true, {"dir=" + dir_of("zoom"), "zoom_um=9", "zoom_at=" + place_of_cell(0)}),
               CONCEG_OK);
