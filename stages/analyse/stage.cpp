@@ -188,6 +188,15 @@ LabelVolume read_volume(conceg_doc *doc, const Cells &cells, const conceg_box &b
   return volume;
 }
 
+void measure_pores(conceg_doc *doc, const Cells &cells, const conceg_box &box, Workers &workers,
+                   Measures &measures) {
+  const LabelVolume volume = read_volume(doc, cells, box);
+  const View<float> distance = view<float>(doc, "/volumes/distance", 512);
+  if (distance.rows() != volume.leaves)
+    fail(CONCEG_E_FORMAT, "/volumes/distance: expected %zu leaves, got %zu", volume.leaves, distance.rows());
+  measures.pores = pore_sizes(volume, distance.data(), workers);
+}
+
 // From the labels of /volumes where their voxels are as small as those asked for, else from the skeletons.
 void measure_field(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, const Cells &cells,
                    const conceg_box &box, Workers &workers, Measures &measures) {
@@ -224,6 +233,8 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
     leave_out("/skeleton", "cable and morphometry");
   }
   measure_field(ctx, doc, params, cells, box, workers, measures);
+  if (has(doc, "/volumes/label") && has(doc, "/volumes/distance") && has(doc, "/volumes@spacing"))
+    measure_pores(doc, cells, box, workers, measures);
   if (!measures.field.voxels)
     leave_out("/skeleton or /volumes as fine as field_step_um", "the field's volume fraction");
   if (has(doc, "/meshes/vertex"))

@@ -112,6 +112,15 @@ void volumes_are_read_where_they_suffice() {
   const Run coarse = run(2, true, false, put_volume, "analyse.field_step_um=0.5");
   CHECK_NEAR(coarse.value("icvf_field"),
              run(2, true, false, nothing, "analyse.field_step_um=0.5").value("icvf_field"), 0);
+  CHECK(std::isnan(fine.value("ecs_cleft_width")));
+  const Run pores = run(2, true, false, [&](conceg_doc *doc) {
+    put_volume(doc);
+    std::vector<float> distance(512, -1.0f);
+    for (std::size_t i = 128; i < 512; i++)
+      distance[i] = i % 2 ? 0.1f : 0.3f;
+    put(doc, "/volumes/distance", distance, 512);
+  });
+  CHECK_NEAR(pores.value("ecs_cleft_width"), 0.8, 1e-6);
   const Run alone = run(2, false, false, put_volume, "analyse.field_step_um=3");
   CHECK_NEAR(alone.value("icvf_field"), 0.25, 1e-12);
   const Run wrong = run(
