@@ -3,7 +3,6 @@
 mesh by Blender's own polygoniser.  blender -b --factory-startup --python metaballs.py -- BALLS OUT_FOLDER STEP_UM SECONDS
 
 Writes cell_<row>.bin (bench_mesh_peers reads them) and prints a JSON line; cells not begun after SECONDS are left out and counted."""
-import collections
 import json
 import pathlib
 import struct
@@ -23,28 +22,34 @@ threshold, lone, chain = 0.6, 1 / 0.575, 1.46
 reach = 0.2  # um beyond touching at which elements of others are taken as negative
 
 
-def images_near(low, high):
-    """Elements of all periodic images within a box, with the lift they were moved by."""
-    for lift in np.ndindex(5, 5, 5):
-        shift = (np.array(lift) - 2) * side
-        moved = rows[:, 1:4] + shift
-        inside = ((moved > low) & (moved < high)).all(axis=1)
-        yield rows[inside, 0].astype(int), moved[inside], rows[inside, 4], (np.array(lift) == 2).all()
+# All elements wrapped into the box, sorted by cells of a grid that is wider than any two touching neurites.
+count = np.maximum(1, (side // 2.5).astype(int))
+wrapped = rows[:, 1:4] % side
+keys = np.ravel_multi_index(np.minimum((wrapped / side * count).astype(int), count - 1).T, count)
+order = np.argsort(keys, kind="stable")
+first = np.searchsorted(keys[order], np.arange(count.prod() + 1))
+somas = np.flatnonzero(rows[:, 4] > 1.0)
+
+
+def near(p):
+    """Rows of elements in the grid's 27 cells about a point, and those too thick for the grid."""
+    at = np.minimum((p % side / side * count).astype(int), count - 1)
+    cells = {int(np.ravel_multi_index((at + np.array(d) - 1) % count, count)) for d in np.ndindex(3, 3, 3)}
+    return np.concatenate([order[first[c] : first[c + 1]] for c in sorted(cells)] + [somas])
 
 
 def negatives(cell, own):
-    """Elements of other cells and images that touch an element of this one, by a grid of 3 um."""
-    boxes = collections.defaultdict(list)
-    for i, p in enumerate(own):
-        boxes[tuple((p[:3] // 3).astype(int))].append(i)
-    for of, at, radius, home in images_near(own[:, :3].min(axis=0) - 3, own[:, :3].max(axis=0) + 3):
-        for c, p, r in zip(of, at, radius):
-            if c == cell and home:
-                continue
-            key = (p // 3).astype(int)
-            near = [i for d in np.ndindex(3, 3, 3) for i in boxes.get(tuple(key + np.array(d) - 1), ())]
-            if near and (np.linalg.norm(own[near, :3] - p, axis=1) < own[near, 3] + r + reach).any():
-                yield p, r
+    """Elements of other cells and of its own images that come close to an element of this one."""
+    found = {}
+    for p, r in zip(own[:, :3], own[:, 3]):
+        candidates = near(p)
+        off = rows[candidates, 1:4] - p
+        off -= side * np.round(off / side)
+        close = np.linalg.norm(off, axis=1) < r + rows[candidates, 4] + reach
+        moved = np.abs(p + off - rows[candidates, 1:4]).max(axis=1) > 1e-6
+        for i, at in zip(candidates[close & (moved | (rows[candidates, 0] != cell))], (p + off)[close & (moved | (rows[candidates, 0] != cell))]):
+            found[(int(i), *np.round(at, 3))] = (at, rows[i, 4])
+    return found.values()
 
 
 def mesh_of(cell):
