@@ -43,6 +43,7 @@ public:
     scene_.gap = options.gap / scene_.grid.unit;
     if (options.centred) scene_.snap = 0;
     scene_.cells = tissue.cells();
+    scene_.thin_points.resize(tissue.cells());
   }
 
   Scene build() {
@@ -84,6 +85,7 @@ private:
     const glm::dvec3 &end = tissue_.point[first + point];
     const double radius = tissue_.radius[first + point];
     const std::uint8_t kind = tissue_.kind[first + point];
+    if (grown_radius(radius, kind) < kThinnestTube * scene_.grid.unit) scene_.thin_points[cell_]++;
     const std::int64_t parent = tissue_.parent[first + point];
     if (parent >= 0) {
       add_cone(tissue_.point[first + parent], tissue_.radius[first + parent], end, radius, kind);

@@ -73,6 +73,7 @@ struct Scene {
   std::vector<Cone> cone; // sorted by cell, section
   std::vector<Section> section;
   std::size_t cells = 0;
+  std::vector<std::uint32_t> thin_points; // per cell: skeleton points too thin for this grid
 };
 
 struct SceneOptions {

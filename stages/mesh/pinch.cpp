@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pinch.hpp"
 
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -10,99 +9,71 @@
 namespace conceg::mesh {
 namespace {
 
-struct Place {
-  std::uint32_t block;
-  glm::ivec3 lift; // boxes that bring the place into the box
-};
-
-Place place_of(const Grid &grid, const glm::dvec3 &voxel) {
-  const glm::ivec3 blocks = grid.blocks();
-  Place place = {0, glm::ivec3(0)};
-  glm::ivec3 at;
-  for (int axis = 0; axis < 3; axis++) {
-    int node = static_cast<int>(std::floor(voxel[axis]));
-    if (grid.periodic[axis]) place.lift[axis] = -static_cast<int>(std::floor(double(node) / grid.size[axis]));
-    node += place.lift[axis] * grid.size[axis] - grid.low[axis];
-    at[axis] = std::min(blocks[axis] - 1, std::max(0, node / kBlock));
+// Distance from a point of a cone's axis to the nearest other label, in units; at most `most`.
+double nearest_other(const Scene &scene, const Index &index, const Cone &cone, const glm::dvec3 &voxel,
+                     double most) {
+  const Place place = place_of(scene.grid, index, voxel);
+  if (place.row < 0) return most;
+  const auto row = static_cast<std::size_t>(place.row);
+  double least = most;
+  for (std::uint64_t i = index.offset[row]; i < index.offset[row + 1]; i++) {
+    const IndexEntry &entry = index.entry[i];
+    const Cone &other = scene.cone[entry.cone];
+    const glm::ivec3 lift(entry.lift[0], entry.lift[1], entry.lift[2]);
+    if (other.cell == cone.cell && lift == place.lift) continue;
+    const glm::dvec3 seen = voxel + glm::dvec3((place.lift - lift) * scene.grid.size);
+    least = std::min(least, cone_distance(scene.grid, other, seen));
   }
-  place.block = static_cast<std::uint32_t>((at.z * blocks.y + at.y) * blocks.x + at.x);
-  return place;
+  return least;
 }
 
-class Finder {
-public:
-  Finder(const Scene &scene, const Index &index) : scene_(scene), index_(index) {
-    for (const Cone &cone : scene.cone) { // ends in voxels, so that far cones are left out quickly
-      const glm::dvec3 a = glm::dvec3(cone.a) / double(kFixed), b = glm::dvec3(cone.b) / double(kFixed);
-      const double half = 0.5 * glm::length((b - a) * glm::dvec3(scene.grid.scale));
-      middle_.push_back(0.5 * (a + b));
-      reach_.push_back(half + std::max(cone.ra, cone.rb) / double(kFixed));
-    }
-  }
+constexpr double kApart = 2; // steps between the points of an axis that are looked at
 
-  // Distance of the nearest other label from a place of `cell`, no farther than `limit` (units).
-  double nearest_other(std::uint32_t cell, const glm::dvec3 &voxel, double limit) const {
-    const Place place = place_of(scene_.grid, voxel);
-    const auto found = std::lower_bound(index_.block.begin(), index_.block.end(), place.block);
-    if (found == index_.block.end() || *found != place.block) return limit;
-    const auto row = static_cast<std::size_t>(found - index_.block.begin());
-    const glm::dvec3 scale(scene_.grid.scale);
-    for (std::uint64_t i = index_.offset[row]; i < index_.offset[row + 1]; i++) {
-      const IndexEntry &entry = index_.entry[i];
-      const glm::ivec3 lift(entry.lift[0], entry.lift[1], entry.lift[2]);
-      if (scene_.cone[entry.cone].cell == cell && lift == place.lift) continue;
-      const glm::dvec3 moved = voxel + glm::dvec3((place.lift - lift) * scene_.grid.size);
-      const double room = limit + reach_[entry.cone];
-      const glm::dvec3 off = (moved - middle_[entry.cone]) * scale;
-      if (room <= 0 || glm::dot(off, off) > room * room) continue;
-      limit = std::min(limit, cone_distance(scene_.grid, scene_.cone[entry.cone], moved));
-    }
-    return limit;
-  }
-
-private:
-  const Scene &scene_;
-  const Index &index_;
-  std::vector<glm::dvec3> middle_;
-  std::vector<double> reach_;
+// The least of a cone: how much neighbours leave on one side of its axis, in units, and where.
+struct Narrowest {
+  float left = 0, radius = 0;
+  glm::vec3 voxel{};
 };
 
-void look_along(const Scene &scene, const Finder &finder, const Cone &cone, Narrow &narrow) {
-  if (cone.kind == kSomaKind) return; // a soma that others cut in two is no matter of thickness
+Narrowest narrowest_of(const Scene &scene, const Index &index, const Cone &cone) {
   const glm::dvec3 a = glm::dvec3(cone.a) / double(kFixed), b = glm::dvec3(cone.b) / double(kFixed);
-  const double length = glm::length((b - a) * glm::dvec3(scene.grid.scale));
-  const int steps = std::max(1, static_cast<int>(std::ceil(length)));
-  for (int k = 0; k <= steps; k++) {
-    const double t = double(k) / steps, radius = glm::mix(double(cone.ra), double(cone.rb), t) / kFixed;
-    const glm::dvec3 voxel = glm::mix(a, b, t);
-    // Beyond this the other label leaves enough, whatever it does.
-    const double limit = std::max(0.0, 2 * kThinnestTube + scene.gap - radius),
-                 other = finder.nearest_other(cone.cell, voxel, limit + radius);
-    const double left = std::min(radius, 0.5 * (radius + other - scene.gap));
-    if (left >= kThinnestTube) continue;
-    if (!narrow.places || left * scene.grid.unit < narrow.least) {
-      narrow.least = left * scene.grid.unit;
-      narrow.where = scene.grid.origin + voxel * scene.grid.step;
-    }
-    narrow.places++;
+  const double ra = cone.ra / double(kFixed), rb = cone.rb / double(kFixed);
+  const int parts = std::max(1, static_cast<int>(std::ceil(glm::length(b - a) / kApart)));
+  Narrowest out;
+  for (int i = 1; i <= parts; i++) {
+    const double t = double(i) / parts, radius = ra + t * (rb - ra);
+    const glm::dvec3 voxel = a + t * (b - a);
+    const double other = nearest_other(scene, index, cone, voxel, radius + scene.gap);
+    const auto left = static_cast<float>(0.5 * (radius + other - scene.gap));
+    if (i == 1 || left < out.left) out = {left, static_cast<float>(radius), glm::vec3(voxel)};
   }
+  return out;
 }
 
 } // namespace
 
-std::vector<Narrow> narrow_places(const Scene &scene, const Index &index, Workers &workers) {
-  const Finder finder(scene, index);
-  std::vector<std::size_t> first(scene.cells + 1, scene.cone.size()); // cones are sorted by cell
-  for (std::size_t i = scene.cone.size(); i-- > 0;)
-    first[scene.cone[i].cell] = i;
-  for (std::size_t cell = scene.cells; cell-- > 0;)
-    first[cell] = std::min(first[cell], first[cell + 1]);
-  std::vector<Narrow> narrow(scene.cells);
-  workers.loop(scene.cells, 1, [&](std::size_t cell, unsigned) {
-    for (std::size_t i = first[cell]; i < first[cell + 1]; i++)
-      look_along(scene, finder, scene.cone[i], narrow[cell]);
+std::vector<Pinch> predict_pinches(const Scene &scene, const Index &index, Workers &workers) {
+  const double unit = scene.grid.unit;
+  const auto is_thin = [&](const Cone &cone) { // those are named by themselves
+    return cone.kind == kSomaKind || std::min(cone.ra, cone.rb) < kThinnestTube * kFixed;
+  };
+  std::vector<Narrowest> narrowest(scene.cone.size());
+  workers.loop(scene.cone.size(), 256, [&](std::size_t i, unsigned) {
+    if (!is_thin(scene.cone[i])) narrowest[i] = narrowest_of(scene, index, scene.cone[i]);
   });
-  return narrow;
+  std::vector<Pinch> out;
+  for (std::size_t i = 0; i < scene.cone.size(); i++) {
+    const Cone &cone = scene.cone[i];
+    const Narrowest &n = narrowest[i];
+    if (is_thin(cone) || n.left >= kThinnestTube) continue;
+    if (out.empty() || out.back().cell != cone.cell) out.push_back({cone.cell, 0, 1e300, 0, {}});
+    Pinch &pinch = out.back();
+    pinch.segments++;
+    if (n.left * unit >= pinch.left_um) continue;
+    pinch.left_um = n.left * unit, pinch.radius_um = n.radius * unit;
+    pinch.where = scene.grid.origin + glm::dvec3(n.voxel) * scene.grid.step;
+  }
+  return out;
 }
 
 } // namespace conceg::mesh

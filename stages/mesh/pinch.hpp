@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where a cell may break on the grid, told before anything is meshed: along its skeleton, what the nearest
-// other label leaves of it, against what the grid can hold.
+// Before anything is marched: where neighbours cut so deep into a neurite that the grid may break it.
 #pragma once
 
 #include "field.hpp"
 
 namespace conceg::mesh {
 
-struct Narrow {
-  std::uint64_t places = 0; // samples along the skeleton, at most a step apart, with less than kThinnestTube
-  double least = 0;         // um: half of the thickness that is left at the narrowest one
-  glm::dvec3 where{};       // um, unwrapped
+struct Pinch {
+  std::uint32_t cell;
+  std::uint32_t segments; // where it may break
+  double left_um;        // least distance from the axis to the contact plane
+  double radius_um;      // there, as the field has it
+  glm::dvec3 where;      // um
 };
 
-// Per cell. A cell without such places comes out in one piece (README, equation 7).
-std::vector<Narrow> narrow_places(const Scene &scene, const Index &index, Workers &workers);
+// With the axis of a neurite of radius r at distance m from the nearest other label, the contact plane of
+// equation 3 lies (r + m - g) / 2 from the axis. Where that is less than the thinnest tube the cell is
+// named. In the order of cells.
+std::vector<Pinch> predict_pinches(const Scene &scene, const Index &index, Workers &workers);
 
 } // namespace conceg::mesh

@@ -76,7 +76,7 @@ std::uint64_t repair(VdbSurface &smooth, const conceg_box &box, const glm::dvec3
   std::uint64_t places = 0;
   for (rounds = 0; rounds < kRepairs; rounds++) {
     const std::vector<Surface> surfaces = {written_surface(smooth, origin)};
-    const CheckResult check = check_surfaces(surfaces, box, options, workers, progress);
+    const CheckResult check = check_surfaces(views_of(surfaces), box, options, workers, progress);
     std::uint64_t found = 0;
     for (const Defect &defect : check.defects)
       if (defect.flaw == Flaw::crossing_self || defect.flaw == Flaw::fold) {
@@ -102,8 +102,8 @@ std::uint64_t repair(VdbSurface &smooth, const conceg_box &box, const glm::dvec3
 
 } // namespace
 
-Finished smooth_cell(const Tissue &tissue, const SceneOptions &options, const glm::dvec3 &origin,
-                     Workers &workers, const Progress &progress) {
+SmoothCell smooth_cell(const Tissue &tissue, const SceneOptions &options, const glm::dvec3 &origin,
+                       Workers &workers, const Progress &progress) {
   VdbSurface smooth;
   {
     const VolumeLayout layout = lay_out_volume(free_cell(tissue, options.h), options, workers, progress);
@@ -112,18 +112,15 @@ Finished smooth_cell(const Tissue &tissue, const SceneOptions &options, const gl
     smooth = vdb_surface(leaves(layout, nullptr, distance.data()), workers.threads());
   }
   make_up_for_flat_faces(smooth, options.h);
-  Finished done;
+  SmoothCell done;
   CheckOptions check;
-  check.gap = options.gap;
-  done.repaired_pairs = repair(smooth, tissue.box, origin, check, done.rounds, workers, progress);
-  done.base_faces = smooth.face.size();
-  done.surfaces.push_back(written_surface(smooth, origin));
-  done.pieces.push_back(
-      keep_soma_piece(done.surfaces[0], tissue.soma[0] - origin, tissue.soma_radius[0] > 0));
-  if (done.surfaces[0].face.empty())
+  done.repaired = repair(smooth, tissue.box, origin, check, done.rounds, workers, progress);
+  done.surface = written_surface(smooth, origin);
+  done.pieces = keep_soma_piece(done.surface, tissue.soma[0] - origin, tissue.soma_radius[0] > 0);
+  if (done.surface.face.empty())
     fail(CONCEG_E_STAGE, "mesh: nothing of the cell is large enough for a grid of %g um; lower h_um",
          options.h);
-  done.check = check_surfaces(done.surfaces, tissue.box, check, workers, progress);
+  done.check = check_surfaces({done.surface}, tissue.box, check, workers, progress);
   return done;
 }
 

@@ -283,10 +283,10 @@ void judge(const Tissue &tissue, std::vector<Surface> surfaces, unsigned threads
   for (Surface &surface : surfaces)
     degenerate += take_out_degenerate(surface);
   CheckOptions options;
-  options.gap = 0;
+  options.reach = 0;
   Workers workers(threads);
   const double start = seconds(CLOCK_PROCESS_CPUTIME_ID);
-  const CheckResult result = check_surfaces(surfaces, tissue.box, options, workers, {});
+  const CheckResult result = check_surfaces(views_of(surfaces), tissue.box, options, workers, {});
   const double checked = seconds(CLOCK_PROCESS_CPUTIME_ID) - start;
   std::size_t faces = 0;
   double area = 0, volume = 0;

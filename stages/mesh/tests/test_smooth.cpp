@@ -18,11 +18,11 @@ SceneOptions step(double h) {
   return options;
 }
 
-Finished smooth_of(const Tissue &tissue, double h, unsigned threads = 1) {
+SmoothCell smooth_of(const Tissue &tissue, double h, unsigned threads = 1) {
   conceg::Workers workers(threads);
-  const Finished done = smooth_cell(tissue, step(h), tissue.soma[0], workers, {});
+  const SmoothCell done = smooth_cell(tissue, step(h), tissue.soma[0], workers, {});
   for (const Defect &defect : done.check.defects) {
-    std::fprintf(stderr, "%s\n", describe(defect, done.surfaces).c_str());
+    std::fprintf(stderr, "%s\n", describe(defect, views_of({done.surface})).c_str());
     break;
   }
   CHECK_EQUAL(done.check.errors, 0);
@@ -34,12 +34,12 @@ void ball_and_tubes_have_their_volume() {
   for (const double h : {1.0, 0.5}) {
     Tissue ball = empty_box(20);
     add_cell(ball, {8.03, 7.9, 8.11}, 4);
-    const Finished done = smooth_of(ball, h);
-    const double ratio = volume_of(done.surfaces[0]) / (4.0 / 3 * pi * 64);
+    const SmoothCell done = smooth_of(ball, h);
+    const double ratio = volume_of(done.surface) / (4.0 / 3 * pi * 64);
     std::printf("ball of r = 4 um at h = %.1f: volume %.5f of the exact one, %zu faces\n", h, ratio,
-                done.surfaces[0].face.size());
+                done.surface.face.size());
     CHECK_NEAR(ratio, 1, 0.002);
-    CHECK_EQUAL(euler_characteristic(done.surfaces[0]), 2);
+    CHECK_EQUAL(euler_characteristic(done.surface), 2);
   }
   double worst = 0;
   for (int turn = 0; turn < 12; turn++) { // tubes of two steps in any direction
@@ -48,7 +48,7 @@ void ball_and_tubes_have_their_volume() {
     const glm::dvec3 along = 3.0 * random_direction(rng), centre(4.5 + conceg_rng_uniform(&rng), 4.5, 4.5);
     add_tube(tissue, centre - along, centre + along, 0.4);
     const double exact = pi * 0.16 * 6 + 4.0 / 3 * pi * 0.064,
-                 ratio = volume_of(smooth_of(tissue, 0.2).surfaces[0]) / exact;
+                 ratio = volume_of(smooth_of(tissue, 0.2).surface) / exact;
     worst = std::max(worst, std::fabs(ratio - 1));
   }
   std::printf("tubes of r = 2 h: volume off by %.4f at most\n", worst);
@@ -60,21 +60,21 @@ void branched_cell() {
   Tissue tissue = empty_box(60);
   const Tissue wild = forest(60, 1, 150, 5, 0.4, 0.7);
   tissue = wild;
-  const Finished done = smooth_of(tissue, 0.2);
+  const SmoothCell done = smooth_of(tissue, 0.2);
   // The exact volume: the cell's field on voxels of a quarter of the step.
   const Volume voxels = volume_of_tissue(tissue, step(0.08), 2);
   std::size_t inside = 0;
   for (const std::uint32_t label : voxels.label)
     inside += label != 0;
   const double exact = double(inside) * std::pow(voxels.layout.spacing().x, 3),
-               ratio = volume_of(done.surfaces[0]) / exact;
+               ratio = volume_of(done.surface) / exact;
   std::printf("branched cell: volume %.5f of the field's, %zu faces, %u pieces detached\n", ratio,
-              done.surfaces[0].face.size(), done.pieces[0].detached);
+              done.surface.face.size(), done.pieces.detached);
   CHECK_NEAR(ratio, 1, 0.01);
-  CHECK_EQUAL(done.pieces[0].detached, 0);
+  CHECK_EQUAL(done.pieces.detached, 0);
   for (const unsigned threads : {2u, 3u}) {
-    const Finished again = smooth_of(tissue, 0.2, threads);
-    const Surface &a = done.surfaces[0], &b = again.surfaces[0];
+    const SmoothCell again = smooth_of(tissue, 0.2, threads);
+    const Surface &a = done.surface, &b = again.surface;
     CHECK(a.vertex.size() == b.vertex.size() && a.face == b.face);
     CHECK(std::memcmp(a.vertex.data(), b.vertex.data(), a.vertex.size() * sizeof(glm::vec3)) == 0);
   }
@@ -97,7 +97,7 @@ void narrow_clefts_are_mended() {
       const std::int64_t near = add_point(tissue, tissue.soma[0] + 4.0 * out + aside, 0.3, fork);
       add_point(tissue, tissue.soma[0] + 9.0 * out + aside, 0.3, near);
     }
-    mended += smooth_of(tissue, 0.2).repaired_pairs;
+    mended += smooth_of(tissue, 0.2).repaired;
   }
   std::printf("clefts: %llu places mended\n", static_cast<unsigned long long>(mended));
   CHECK(mended > 0);
