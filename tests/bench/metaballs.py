@@ -3,6 +3,7 @@
 mesh by Blender's own polygoniser.  blender -b --factory-startup --python metaballs.py -- BALLS OUT_FOLDER STEP_UM SECONDS
 
 Writes cell_<row>.bin (bench_mesh_peers reads them) and prints a JSON line; cells not begun after SECONDS are left out and counted."""
+import collections
 import json
 import pathlib
 import struct
@@ -80,7 +81,8 @@ def mesh_of(cell):
 
 
 begun, elements, done, left_out = time.monotonic(), 0, 0, 0
-for cell in np.unique(rows[:, 0].astype(int)):
+sizes = collections.Counter(rows[:, 0].astype(int).tolist())
+for cell in sorted(sizes, key=lambda c: (sizes[c], c)):  # small ones first: most cells are made before the time is over
     if time.monotonic() - begun > limit:
         left_out += 1
         continue
