@@ -46,14 +46,17 @@ private:
     return number_[v];
   }
 
-  // The same point for both faces of an edge: its ends are taken in the order of their numbers.
+  // The same point for both faces of an edge, and for an image of it the same point moved by whole sides, to
+  // the last bit: it is the lower end, on the lattice of mesh vertices, plus a difference that all images
+  // share, rounded to that lattice.
   std::uint32_t crossing(std::uint32_t p, std::uint32_t q) {
     const auto [at, fresh] =
         crossings_.try_emplace(std::minmax(p, q), static_cast<std::uint32_t>(part_.vertex.size()));
     if (fresh) {
-      const std::uint32_t a = std::min(p, q), b = std::max(p, q);
-      const double place = height(a) / (height(a) - height(b));
-      glm::dvec3 point = glm::mix(whole_.vertex[a], whole_.vertex[b], place);
+      const bool rises = whole_.vertex[p][axis_] < whole_.vertex[q][axis_];
+      const glm::dvec3 &a = whole_.vertex[rises ? p : q], &b = whole_.vertex[rises ? q : p];
+      const double place = (value_ - a[axis_]) / (b[axis_] - a[axis_]);
+      glm::dvec3 point = a + glm::floor((b - a) * (place * 0x1p24) + 0.5) * 0x1p-24;
       point[axis_] = value_;
       part_.vertex.push_back(point);
     }

@@ -7,8 +7,9 @@
 namespace conceg::exporting {
 
 // The surface within the box, open where a periodic side cuts it: all its images, cut at the periodic sides.
-// New vertices lie exactly on a side, one for each edge that crosses it, and those of opposite sides are
-// images of each other to rounding.
+// New vertices lie exactly on a side, one for each edge that crosses it. Where vertices are
+// multiples of 2^-24 um, as meshes have them, the rims on opposite sides are images of each other bit for
+// bit.
 Surface cut_at_box(const conceg_box &box, const Surface &surface);
 
 // The surface moved by -origin and multiplied by scale.

@@ -55,8 +55,7 @@ void check_again(const Views &surfaces, const std::vector<std::uint8_t> &changed
   result.plain.resize(surfaces.size()), result.min_gap.assign(surfaces.size(), options.reach);
   workers.loop(surfaces.size(), 1, [&](std::size_t s, unsigned) {
     if (!changed[s]) return;
-    result.usable[s] =
-        check_topology(surfaces[s], static_cast<std::uint32_t>(s), found[s], result.plain[s]);
+    result.usable[s] = check_topology(surfaces[s], static_cast<std::uint32_t>(s), found[s], result.plain[s]);
     result.closed[s] = found[s].empty();
   });
   for (const auto &list : found)

@@ -50,10 +50,10 @@ private:
 };
 
 struct CheckOptions {
-  double reach = 0.09;                // um; gaps are measured up to this
-  double least_gap = 0;               // um; pairs nearer than this are listed as near
-  std::size_t memory = 512u << 20;    // bytes that the pair test may take
-  std::function<void()> forget = {};  // called now and then: pages of files that were read may go
+  double reach = 0.09;               // um; gaps are measured up to this
+  double least_gap = 0;              // um; pairs nearer than this are listed as near
+  std::size_t memory = 512u << 20;   // bytes that the pair test may take
+  std::function<void()> forget = {}; // called now and then: pages of files that were read may go
 };
 
 struct CheckResult {
@@ -75,7 +75,8 @@ CheckResult check_surfaces(const Views &surfaces, const conceg_box &box, const C
 // Brings `result` up to date after some surfaces have been replaced: pairs of two others are not tested
 // again, and min_gap holds for replaced surfaces alone. pairs_checked counts the tests of all times.
 void check_again(const Views &surfaces, const std::vector<std::uint8_t> &changed, const conceg_box &box,
-                 const CheckOptions &options, Workers &workers, const Progress &progress, CheckResult &result);
+                 const CheckOptions &options, Workers &workers, const Progress &progress,
+                 CheckResult &result);
 
 // One line that names a defect and its place.
 std::string describe(const Defect &defect, const Views &surfaces);

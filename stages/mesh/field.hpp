@@ -57,7 +57,8 @@ void evaluate_block(const Scene &scene, const Index &index, std::size_t row, Blo
 // Exact distance of a point (voxels, unwrapped) to one cone, in units. Double precision, for single points.
 double cone_distance(const Grid &grid, const Cone &cone, const glm::dvec3 &voxel);
 
-// Where a point given in unwrapped voxels lies: the row of its block, and the lift that brings it into the box.
+// Where a point given in unwrapped voxels lies: the row of its block, and the lift that brings it into the
+// box.
 struct Place {
   std::int64_t row = -1; // of the index; -1: no cone is within reach of the block
   glm::ivec3 lift{};

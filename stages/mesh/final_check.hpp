@@ -10,10 +10,10 @@
 namespace conceg::mesh {
 
 struct FinalCheck {
-  Views surfaces;                        // of the document's rows, borrowed from it
-  CheckResult result;                    // every pair of faces, in all images
-  std::vector<std::uint32_t> missing;    // cells without a surface
-  std::vector<std::string> broken;       // what keeps the arrays from being read as surfaces, one line each
+  Views surfaces;                     // of the document's rows, borrowed from it
+  CheckResult result;                 // every pair of faces, in all images
+  std::vector<std::uint32_t> missing; // cells without a surface
+  std::vector<std::string> broken;    // what keeps the arrays from being read as surfaces, one line each
   // Everything that is wrong, in words, missing cells too; at most `most` lines.
   std::vector<std::string> lines(std::size_t most) const;
 };

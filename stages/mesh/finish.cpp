@@ -170,9 +170,10 @@ private:
   // mesh.
   std::vector<float> tolerances(const Surface &base, std::uint32_t cell) const {
     std::vector<float> tolerance(base.vertex.size());
-    const double least = 0.5 * options_.least_gap(); // where the field is rough
+    const double least = options_.gap / 6; // where the field is rough
     for (std::uint32_t v = 0; v < tolerance.size(); v++) {
-      tolerance[v] = static_cast<float>(std::min(options_.tolerance, std::max(least, 0.5 * double(base.room[v]))));
+      tolerance[v] =
+          static_cast<float>(std::min(options_.tolerance, std::max(least, 0.5 * double(base.room[v]))));
       if (locked_.size() > cell && holds(locked_[cell], node_at(base.at(v)))) tolerance[v] = 0;
     }
     return tolerance;
@@ -231,10 +232,10 @@ private:
   std::vector<std::size_t> slot_; // per cell: its row in the result
   std::vector<std::uint64_t> faces_;
   int round_ = 0;
-  std::vector<std::uint8_t> wanted_;                            // per cell: is made in this round
-  std::vector<std::uint32_t> left_;                             // per cell: blocks to be marched
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> ready_;  // heap of (faces, cell)
-  std::mutex mutex_;                                            // of left_ and ready_
+  std::vector<std::uint8_t> wanted_;                           // per cell: is made in this round
+  std::vector<std::uint32_t> left_;                            // per cell: blocks to be marched
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> ready_; // heap of (faces, cell)
+  std::mutex mutex_;                                           // of left_ and ready_
   std::atomic<std::size_t> next_row_{0}, taken_{0};
   std::size_t rows_ = 0; // to be marched in this round
   std::atomic<bool> stop_{false};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // From blocks to finished surfaces on disk: march, and as soon as the last block of a cell is done join and
 // simplify it and put it into a file; check all of them, and where the check finds something go back to the
-// base mesh around that place, until the check finds nothing. A gap below a third of the wanted one counts as
-// a find: the base mesh keeps gap / 1.91.
+// base mesh around that place, until the check finds nothing. A gap below half of the wanted one counts as a
+// find: the base mesh keeps gap / 1.91.
 #pragma once
 
 #include "check.hpp"
@@ -14,7 +14,7 @@
 
 namespace conceg::mesh {
 
-constexpr double kLeastGap = 1.0 / 3; // of the gap that is asked: what the written meshes keep at least
+constexpr double kLeastGap = 0.5; // of the gap that is asked: what the written meshes keep at least
 
 struct FinishOptions {
   double tolerance = 0.05; // um, where neighbours are far; 0 = no simplification

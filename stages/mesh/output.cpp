@@ -24,7 +24,8 @@ struct Task {
 };
 
 template <class Count>
-std::vector<Task> tasks_of(const Views &surfaces, const std::vector<std::uint64_t> &offset, const Count &count) {
+std::vector<Task> tasks_of(const Views &surfaces, const std::vector<std::uint64_t> &offset,
+                           const Count &count) {
   std::vector<Task> tasks;
   for (std::size_t s = 0; s < surfaces.size(); s++)
     for (std::size_t first = 0; first < count(surfaces[s]); first += kTask)

@@ -62,7 +62,8 @@ WIDE void compare_boxes(const Item &a, const Item &b, float far, BoxPairs &out) 
   for (std::uint32_t i = 0; i < kLeaf; i++) {
     bool beyond = false; // the whole leaf
     for (int axis = 0; axis < 3; axis++)
-      beyond |= (a.face_low[axis][i] - b.high[axis] > farther) | (b.low[axis] - a.face_high[axis][i] > farther);
+      beyond |=
+          (a.face_low[axis][i] - b.high[axis] > farther) | (b.low[axis] - a.face_high[axis][i] > farther);
     if (beyond) {
       std::memset(out.meet[i], 0, kLeaf), std::memset(out.near[i], 0, kLeaf);
       continue;
@@ -150,7 +151,8 @@ private:
         const glm::dvec3 p = surfaces_[s].at(v);
         for (int axis = 0; axis < 3; axis++)
           if (!box_.periodic[axis])
-            low_[axis] = std::min(low_[axis], p[axis] - margin_), high[axis] = std::max(high[axis], p[axis] + margin_);
+            low_[axis] = std::min(low_[axis], p[axis] - margin_),
+            high[axis] = std::max(high[axis], p[axis] + margin_);
       }
     }
     edge_ = faces ? std::max(kPlace * sum / double(faces) + margin_, 1e-3) : 1.0;
@@ -229,7 +231,8 @@ private:
 
   bool meets_slab(const Stretch &stretch) const {
     for (int lift = lift_of(stretch.low, 2); lift <= lift_of(stretch.high, 2); lift++)
-      if (stretch.low - lift * places_.z < slab_high_ && stretch.high - lift * places_.z >= slab_low_) return true;
+      if (stretch.low - lift * places_.z < slab_high_ && stretch.high - lift * places_.z >= slab_low_)
+        return true;
     return false;
   }
 
@@ -284,7 +287,8 @@ private:
     workers_.loop(stretch_.size(), 1, [&](std::size_t i, unsigned worker) {
       const Stretch &stretch = stretch_[i];
       if ((changed_[stretch.surface] != 0) != changed || !meets_slab(stretch)) return;
-      each_leaf(stretch, [&](const Leaf &leaf) { place_leaf(stretch.surface, leaf, changed, worker_[worker]); });
+      each_leaf(stretch,
+                [&](const Leaf &leaf) { place_leaf(stretch.surface, leaf, changed, worker_[worker]); });
     });
   }
 
@@ -368,7 +372,8 @@ private:
   }
 
   // In an order of their own, whatever order they came in.
-  void check_pair(const Item &a, std::uint32_t face, const Item &b, std::uint32_t other, Worker &worker) const {
+  void check_pair(const Item &a, std::uint32_t face, const Item &b, std::uint32_t other,
+                  Worker &worker) const {
     const glm::ivec3 lift(a.lift[0] - b.lift[0], a.lift[1] - b.lift[1], a.lift[2] - b.lift[2]);
     const bool turn = a.surface != b.surface ? b.surface < a.surface
                       : face != other        ? other < face
@@ -410,11 +415,12 @@ private:
     const SurfaceView &s = surfaces_[pair.surface];
     const Bits &plain = result_.plain[pair.surface];
     glm::uvec3 f = s.face[pair.face], g = s.face[pair.other_face];
+    for (int i = 0; i < 3; i++)
+      if (((f[i] == g.x) | (f[i] == g.y) | (f[i] == g.z)) && plain[f[i]]) return;
     int common = 0;
     for (int i = 0; i < 3; i++)
       for (int j = common; j < 3; j++)
         if (i >= common && f[i] == g[j]) {
-          if (plain[f[i]]) return;
           std::swap(f[common], f[i]), std::swap(g[common], g[j]);
           common++;
           break;
@@ -478,7 +484,8 @@ private:
 } // namespace
 
 void check_pairs(const Views &surfaces, const std::vector<std::uint8_t> &changed, const conceg_box &box,
-                 const CheckOptions &options, Workers &workers, const Progress &progress, CheckResult &result) {
+                 const CheckOptions &options, Workers &workers, const Progress &progress,
+                 CheckResult &result) {
   PairCheck(surfaces, changed, box, options, workers, progress, result).run();
 }
 

@@ -9,9 +9,9 @@ namespace conceg::mesh {
 struct Pinch {
   std::uint32_t cell;
   std::uint32_t segments; // where it may break
-  double left_um;        // least distance from the axis to the contact plane
-  double radius_um;      // there, as the field has it
-  glm::dvec3 where;      // um
+  double left_um;         // least distance from the axis to the contact plane
+  double radius_um;       // there, as the field has it
+  glm::dvec3 where;       // um
 };
 
 // With the axis of a neurite of radius r at distance m from the nearest other label, the contact plane of

@@ -115,7 +115,9 @@ void need_free_space(const std::string &folder, double bytes, const char *what) 
   if (statvfs(folder.c_str(), &info)) return; // the write itself will tell
   const double left = double(info.f_bavail) * double(info.f_frsize);
   if (left < bytes)
-    fail(CONCEG_E_IO, "%s: %s need about %.1f GB there, %.1f GB are free; set TMPDIR to a larger folder or use a larger h_um",
+    fail(CONCEG_E_IO,
+         "%s: %s need about %.1f GB there, %.1f GB are free; set TMPDIR to a larger folder or use a larger "
+         "h_um",
          folder.c_str(), what, 1e-9 * bytes, 1e-9 * left);
 }
 

@@ -26,7 +26,7 @@ constexpr double kGapReach = 1.5; // gaps are measured up to so many times the g
 const conceg_param parameters[] = {
     {"h_um", "um", "largest step of the common grid; tubes thinner than 0.92 of it may break", "0.16",
      nullptr, CONCEG_PARAM_F64, 0, 0.01, 100},
-    {"gap_um", "um", "gap between cells in contact; the meshes keep at least a third of it", "0.06", nullptr,
+    {"gap_um", "um", "gap between cells in contact; the meshes keep at least half of it", "0.04", nullptr,
      CONCEG_PARAM_F64, 0, 0.001, 10},
     {"inflate_um", "um",
      "widens all cells before they are separated: packing control (at most a quarter of the radius)", "0",
@@ -47,7 +47,7 @@ const conceg_param parameters[] = {
      0, 0, 100},
     {"space", "", "measure the extracellular space on the grid's tetrahedra, its pieces too (periodic boxes)",
      "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
-    {"resume_file", "",
+    {"checkpoint", "",
      "keeps finished surfaces in this file while the run goes on; after a kill the same command goes on from "
      "there",
      "", nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
@@ -282,7 +282,7 @@ Finished finished_smooth(const Tissue &tissue, const SceneOptions &scene_options
 void make_meshes(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, const Tissue &tissue,
                  const SceneOptions &scene_options, Workers &workers, const Progress &progress,
                  Phases &phases) {
-  const std::string side_file = conceg_params_text(params, "resume_file");
+  const std::string side_file = conceg_params_text(params, "checkpoint");
   const Scene scene = make_scene(tissue, scene_options);
   check_room(ctx, scene, scene_options.cluster, side_file);
   warn_thin(ctx, scene);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A triangle surface of one cell: coordinates relative to an origin on the lattice, held as the values that
-// are written. A view borrows the arrays of a surface, wherever they lie: in memory, in a file, in a document.
+// are written. A view borrows the arrays of a surface, wherever they lie: in memory, in a file, in a
+// document.
 #pragma once
 
 #include "conceg/geom.h"
@@ -31,11 +32,9 @@ struct SurfaceView {
   std::size_t vertices = 0, faces = 0;
   SurfaceView() = default;
   SurfaceView(const Surface &s)
-      : cell(s.cell), origin(s.origin), relative(s.vertex.data()), face(s.face.data()), vertices(s.vertex.size()),
-        faces(s.face.size()) {}
-  glm::dvec3 at(std::uint32_t i) const {
-    return absolute ? absolute[i] : origin + glm::dvec3(relative[i]);
-  }
+      : cell(s.cell), origin(s.origin), relative(s.vertex.data()), face(s.face.data()),
+        vertices(s.vertex.size()), faces(s.face.size()) {}
+  glm::dvec3 at(std::uint32_t i) const { return absolute ? absolute[i] : origin + glm::dvec3(relative[i]); }
   glm::dvec3 from_origin(std::uint32_t i) const {
     return absolute ? absolute[i] - origin : glm::dvec3(relative[i]);
   }

@@ -54,7 +54,8 @@ void SurfaceFile::take_over(const std::string &key) {
   file_.read(0, magic, sizeof magic);
   file_.read(sizeof magic, held, kKey);
   if (std::memcmp(magic, kMagic, sizeof kMagic) != 0)
-    fail(CONCEG_E_FORMAT, "%s: expected a file of unfinished meshes or none; name another file", file_.name().c_str());
+    fail(CONCEG_E_FORMAT, "%s: expected a file of unfinished meshes or none; name another file",
+         file_.name().c_str());
   if (key.compare(0, kKey, held, kKey) != 0)
     fail(CONCEG_E_FORMAT,
          "%s: holds unfinished meshes of other cells or other parameters; remove it or name another file",
@@ -78,10 +79,11 @@ bool SurfaceFile::take_record(std::uint64_t size) {
   file_.read(end_, record.data(), words * 8);
   if (record.back() != sum_of(record, words - 1)) return false;
   if (head.first_round) {
-    kept_[head.cell] = {end_ + sizeof head, head.vertices, head.faces,
-                        {head.origin[0], head.origin[1], head.origin[2]}};
+    kept_[head.cell] = {
+        end_ + sizeof head, head.vertices, head.faces, {head.origin[0], head.origin[1], head.origin[2]}};
     CellNotes notes;
-    notes.pieces = {head.detached, head.detached_volume, head.cavities, head.cavity_volume, head.soma_found != 0};
+    notes.pieces = {head.detached, head.detached_volume, head.cavities, head.cavity_volume,
+                    head.soma_found != 0};
     notes.base_faces = head.base_faces, notes.whole_base = head.whole_base != 0;
     notes.base_node.assign(record.end() - 1 - static_cast<std::ptrdiff_t>(head.base_nodes), record.end() - 1);
     taken_over_.emplace_back(head.cell, std::move(notes));

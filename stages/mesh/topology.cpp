@@ -108,11 +108,13 @@ private:
     if (!(length > 0)) return false;
     view /= length;
     for (std::size_t i = 0; i < count; i++)
-      if (!(glm::dot(normal_[i], view) > kClearlyApart * glm::length(ring_[i]) * glm::length(ring_[(i + 1) % count])))
+      if (!(glm::dot(normal_[i], view) >
+            kClearlyApart * glm::length(ring_[i]) * glm::length(ring_[(i + 1) % count])))
         return false;
     const glm::dvec3 other = std::fabs(view.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0),
                      upward = cross_product(view, other);
-    int rounds = 0; // each face turns by less than half a round, so it passes the half-line below -> above once
+    int rounds =
+        0; // each face turns by less than half a round, so it passes the half-line below -> above once
     for (std::size_t i = 0; i < count; i++)
       rounds += glm::dot(ring_[i], upward) < 0 && glm::dot(ring_[(i + 1) % count], upward) >= 0;
     return rounds == 1;

@@ -37,9 +37,12 @@ template <class T> std::vector<T> copy(conceg_doc *doc, const char *path, std::s
 }
 
 Meshes read_meshes(conceg_doc *doc) {
-  return {copy<std::uint32_t>(doc, "/meshes/cell"),      copy<std::uint32_t>(doc, "/meshes/face", 3),
-          copy<double>(doc, "/meshes/origin", 3),        copy<double>(doc, "/meshes/vertex", 3),
-          copy<std::uint64_t>(doc, "/meshes/vertex_offset"), copy<std::uint64_t>(doc, "/meshes/face_offset")};
+  return {copy<std::uint32_t>(doc, "/meshes/cell"),
+          copy<std::uint32_t>(doc, "/meshes/face", 3),
+          copy<double>(doc, "/meshes/origin", 3),
+          copy<double>(doc, "/meshes/vertex", 3),
+          copy<std::uint64_t>(doc, "/meshes/vertex_offset"),
+          copy<std::uint64_t>(doc, "/meshes/face_offset")};
 }
 
 void write_meshes(conceg_doc *doc, const Meshes &m) {
@@ -80,7 +83,8 @@ bool names(const std::vector<std::string> &lines, const char *what, const glm::d
     if (line.compare(0, std::strlen(what), what) != 0) continue;
     const std::size_t at = line.find("at (");
     glm::dvec3 p;
-    if (at != std::string::npos && std::sscanf(line.c_str() + at, "at (%lf, %lf, %lf)", &p.x, &p.y, &p.z) == 3 &&
+    if (at != std::string::npos &&
+        std::sscanf(line.c_str() + at, "at (%lf, %lf, %lf)", &p.x, &p.y, &p.z) == 3 &&
         glm::length(p - where) < 1.0)
       return true;
   }
@@ -106,7 +110,8 @@ void drop_row(Meshes &m, std::size_t row) {
   const auto v0 = m.vertex_offset[row], v1 = m.vertex_offset[row + 1], f0 = m.face_offset[row],
              f1 = m.face_offset[row + 1];
   const auto cut = [](auto &values, std::uint64_t first, std::uint64_t last) {
-    values.erase(values.begin() + static_cast<std::ptrdiff_t>(first), values.begin() + static_cast<std::ptrdiff_t>(last));
+    values.erase(values.begin() + static_cast<std::ptrdiff_t>(first),
+                 values.begin() + static_cast<std::ptrdiff_t>(last));
   };
   cut(m.vertex, 3 * v0, 3 * v1), cut(m.face, 3 * f0, 3 * f1);
   cut(m.origin, 3 * row, 3 * row + 3), cut(m.cell, row, row + 1);

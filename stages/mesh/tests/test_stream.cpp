@@ -80,6 +80,15 @@ void killed_run_goes_on() {
   const Done again = finish_tissue(tissue, coarse(), stream_options(), 1);
   CHECK_EQUAL(again.taken_over, tissue.cells());
   same_bytes(whole, again);
+  // What is foreseen of the disk: faces by the area, bytes by the face.
+  const double foreseen = 3 * primitive_area(make_scene(tissue, coarse()));
+  CHECK(double(whole.base_faces) < foreseen && double(whole.base_faces) > 0.6 * foreseen);
+  std::size_t faces = 0;
+  for (const Surface &surface : whole.surfaces)
+    faces += surface.face.size();
+  const double bytes = double(size_of(side_file)) / double(faces);
+  std::printf("%zu of %.0f faces foreseen, %.2f bytes a face\n", std::size_t(whole.base_faces), foreseen, bytes);
+  CHECK(bytes > 17.9 && bytes < 19);
   std::remove(side_file);
 }
 
@@ -149,7 +158,7 @@ void little_memory_is_enough() {
     if (i) conceg_ctx_set_memory(ctx, 1u << 20);
     conceg_doc *doc = document_of(ctx, tissue);
     std::vector<const char *> sets = {"mesh.h_um=0.3", "mesh.volumes=false"};
-    if (i) sets.push_back("mesh.resume_file=test_mesh_stream.side");
+    if (i) sets.push_back("mesh.checkpoint=test_mesh_stream.side");
     CHECK_EQUAL(run_stage(ctx, doc, sets), CONCEG_OK);
     CHECK_TEXT(conceg_ctx_error(ctx), "");
     char hex[65] = "";
