@@ -11,6 +11,13 @@ static uint32_t find_kind(const struct words *kinds, const char *kind) {
   return i;
 }
 
+static uint32_t find_last(const struct words *kinds, const char *kind) {
+  uint32_t i;
+  for (i = kinds->count; i-- > 0;)
+    if (!strcmp(kinds->word[i], kind)) return i;
+  return kinds->count;
+}
+
 static int fail_absent(struct cli *cli, const char *option, const char *kind, const struct words *kinds) {
   char list[256] = "";
   size_t used = 0;
@@ -41,7 +48,7 @@ int pipeline_choose(struct cli *cli, const conceg_recipe *recipe, const char *fr
     if (first == kinds->count) return fail_absent(cli, "--from", from, kinds);
   }
   if (until) {
-    const uint32_t last = find_kind(kinds, until);
+    const uint32_t last = find_last(kinds, until); /* a stage can stand there twice: relax, grow, relax */
     if (last == kinds->count) return fail_absent(cli, "--until", until, kinds);
     if (last < first) return cli_fail(cli, EXIT_USAGE, "--until %s comes before --from %s", until, from);
     kinds->count = last + 1;

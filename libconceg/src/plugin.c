@@ -2,6 +2,7 @@
  * Stages in shared libraries. A library is opened only when its stage is asked for, and stays open. */
 #define _GNU_SOURCE /* dladdr, RTLD_LOCAL */
 #include "plugin.h"
+#include "provenance.h"
 
 #include "params_internal.h"
 #include "text.h"
@@ -137,10 +138,10 @@ conceg_status plugin_find_all(conceg_ctx *ctx, struct plugin_list *list) {
 }
 
 /* "/cells" or "cells"; the list ends with NULL. */
-static int is_group_list(const char *const *group) {
+static int is_group_list(const char *const *group, int may_be_absent) {
   uint32_t i;
   for (i = 0; group && group[i]; i++) {
-    const char *name = group[i] + (group[i][0] == '/');
+    const char *name = may_be_absent || !group_optional(group[i]) ? group_name(group[i]) : "";
     if (i == GROUPS_PER_LIST || !*name || strlen(name) > 64 ||
         name[strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789_")])
       return 0;
@@ -161,7 +162,7 @@ conceg_status stage_check(conceg_ctx *ctx, const conceg_stage *stage, const char
   if (!stage->kind || !stage->name || !*stage->kind || !*stage->name || !stage->run)
     return conceg_ctx_fail(ctx, CONCEG_E_ABI, "%s: expected kind, name and run in the descriptor, got NULL",
                            from);
-  if (!is_group_list(stage->reads) || !is_group_list(stage->writes) || !is_group_list(stage->drops))
+  if (!is_group_list(stage->reads, 1) || !is_group_list(stage->writes, 0) || !is_group_list(stage->drops, 0))
     return conceg_ctx_fail(
         ctx, CONCEG_E_ABI,
         "%s: expected reads, writes and drops of at most %u names of groups each, ending with NULL", from,

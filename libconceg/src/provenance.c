@@ -6,7 +6,12 @@
 #define GROUP_PATH 256
 
 const char *group_name(const char *group) {
+  if (group_optional(group)) group++;
   return *group == '/' ? group + 1 : group;
+}
+
+int group_optional(const char *group) {
+  return *group == '?';
 }
 
 int group_in(const char *const *groups, const char *group) {
@@ -131,6 +136,7 @@ conceg_status origins_take(conceg_ctx *ctx, conceg_doc *doc, const conceg_stage 
     /* A group that the stage rewrites is gone afterwards: its old digest would match nothing. */
     if (group_in(stage->writes, stage->reads[i])) continue;
     snprintf(path, sizeof path, "/%s", group_name(stage->reads[i]));
+    if (group_optional(stage->reads[i]) && !conceg_doc_has(doc, path)) continue;
     status = conceg_doc_digest(doc, path, digest);
     if (status != CONCEG_OK) return status;
     text_format(&line, "%s=%s", group_name(stage->reads[i]), digest);

@@ -27,7 +27,9 @@ conceg_status origins_warn(conceg_ctx *ctx, conceg_doc *doc, const char *group) 
 
 /* 1 if `group` is in the NULL-terminated list; names may begin with "/" or not. */
 int group_in(const char *const *groups, const char *group);
-/* The name without a leading "/". */
+/* The name without a leading "?" or "/". */
 const char *group_name(const char *group);
+/* A group of `reads` that may be absent: "?skeleton". */
+int group_optional(const char *group);
 
 #endif

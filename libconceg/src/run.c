@@ -41,7 +41,7 @@ static conceg_status check_reads(conceg_ctx *ctx, const conceg_stage *stage, con
     const char *group = group_name(stage->reads[i]), *maker = maker_of(group);
     char path[GROUP_PATH];
     snprintf(path, sizeof path, "/%s", group);
-    if (!conceg_doc_has(doc, path))
+    if (!group_optional(stage->reads[i]) && !conceg_doc_has(doc, path))
       return conceg_ctx_fail(ctx, CONCEG_E_MISSING, "%s: needs /%s, which the document does not have%s%s%s",
                              stage->kind, group, maker ? "; run conceg " : "", maker ? maker : "",
                              maker ? " before it" : "");

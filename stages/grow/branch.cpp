@@ -57,6 +57,10 @@ Place place_on(const Projection &host, double path) {
     if (std::fabs(fork.path - path) < fork_snap_um) return {fork.vertex, fork.position, fork.path};
   if (to.path - path < fork_snap_um) return {vertex, to.position, to.path};
   if (vertex > 1 && path - from.path < fork_snap_um) return {vertex - 1, from.position, from.path};
+  // What an earlier growth left gets no new points.
+  if (vertex < host.fixed && vertex > 1 && path - from.path < to.path - path)
+    return {vertex - 1, from.position, from.path};
+  if (vertex < host.fixed) return {vertex, to.position, to.path};
   const double part = (path - from.path) / (to.path - from.path);
   return {vertex, from.position + part * (to.position - from.position), path};
 }

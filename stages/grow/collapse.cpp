@@ -14,7 +14,7 @@ constexpr std::size_t banned_nodes = 3;
 
 std::uint32_t least_kept(const Projection &projection) {
   // A root keeps its first edge too, so that it does not lose its place on the soma.
-  std::uint32_t least = projection.host == none ? 2 : 1;
+  std::uint32_t least = std::max(projection.host == none ? 2u : 1u, projection.fixed);
   for (const Fork &fork : projection.forks)
     least = std::max(least, fork.vertex + 1);
   return least;

@@ -35,7 +35,7 @@ private:
 
   void write_tree(std::uint32_t root) {
     const Projection &projection = state_.projections[root];
-    emit(root, projection.chain[0].position, projection.chain[0].path, projection.chain[1].radius, -1,
+    emit(root, 0, projection.chain[0].position, projection.chain[0].path, projection.chain[1].radius, -1,
          branches_);
     std::vector<Branch> open = {{root, count() - 1, branches_++}};
     while (!open.empty()) {
@@ -68,7 +68,7 @@ private:
         const Fork &fork = forks[next++];
         // Forks at one place share their point.
         if (!(after_fork && fork.path == forks[next - 2].path)) {
-          parent = emit(start.bar, fork.position, fork.path, vertex.radius, parent, branch);
+          parent = emit(start.bar, fork.vertex, fork.position, fork.path, vertex.radius, parent, branch);
           if (fork.path < tip) branch = branches_++;
         }
         after_fork = true;
@@ -81,7 +81,7 @@ private:
       }
       float radius = vertex.radius;
       if (i + 1 < projection.chain.size()) radius = std::min(radius, projection.chain[i + 1].radius);
-      parent = emit(start.bar, vertex.position, vertex.path, radius, parent, branch);
+      parent = emit(start.bar, i, vertex.position, vertex.path, radius, parent, branch);
     }
   }
 
@@ -100,12 +100,18 @@ private:
     skeleton_.status[row] = skeleton_.radius[row] < 0.98 * wanted;
   }
 
-  std::int64_t emit(std::uint32_t bar, const glm::dvec3 &position, double path, float radius,
-                    std::int64_t parent, std::uint32_t branch) {
+  // A point at `vertex` of the bar's line, or just before it.
+  std::int64_t emit(std::uint32_t bar, std::size_t vertex, const glm::dvec3 &position, double path,
+                    float radius, std::int64_t parent, std::uint32_t branch) {
     const Projection &projection = state_.projections[bar];
     skeleton_.position.push_back(position);
-    skeleton_.radius.push_back(std::min(radius, static_cast<float>(wanted_radius(state_, bar, path))));
-    skeleton_.target_radius.push_back(static_cast<float>(target_radius(state_, bar, path)));
+    if (vertex < projection.fixed) {
+      skeleton_.radius.push_back(radius);
+      skeleton_.target_radius.push_back(state_.input.earlier.target_radius[projection.fixed_row + vertex]);
+    } else {
+      skeleton_.radius.push_back(std::min(radius, static_cast<float>(wanted_radius(state_, bar, path))));
+      skeleton_.target_radius.push_back(static_cast<float>(target_radius(state_, bar, path)));
+    }
     skeleton_.parent.push_back(parent);
     skeleton_.kind.push_back(state_.input.bars.neurite[bar]);
     skeleton_.branch.push_back(branch);

@@ -7,6 +7,7 @@
 #include "course.hpp"
 #include "edit.hpp"
 #include "occupancy.hpp"
+#include "restore.hpp"
 #include "roots.hpp"
 #include "schedule.hpp"
 #include "step.hpp"
@@ -34,6 +35,7 @@ public:
   }
 
   Summary run(const Progress &progress) {
+    go_on();
     start_roots(true);
     phases_.end("roots");
     bool all_started = false; // cells without a soma fill what room the others leave
@@ -73,11 +75,27 @@ private:
     watch_.tenth(standing);
   }
 
+  // Second growth: bars that are not done go on, those that found no room look for a host.
+  void go_on() {
+    if (!state_.input.earlier.rows) return;
+    for (std::uint32_t bar = 0; bar < state_.projections.size(); bar++) {
+      const Projection &projection = state_.projections[bar];
+      if (projection.phase == Phase::growing) schedule_.enter(bar);
+      if (!projection.chain.empty())
+        grown_ += projection.chain.back().path - projection.start_path;
+      else if (projection.parent != none)
+        make_orphan(bar);
+    }
+    for (std::uint32_t cell = 0; cell < state_.input.cells.count; cell++)
+      retry_orphans(cell);
+    phases_.end("restore");
+  }
+
   // Roots of the cells with a soma, or of those without.
   void start_roots(bool with_soma) {
     Edit edit;
     for (std::uint32_t bar = 0; bar < state_.projections.size(); bar++) {
-      if (state_.projections[bar].parent != none) continue;
+      if (state_.projections[bar].parent != none || !state_.projections[bar].chain.empty()) continue;
       if ((state_.input.cells.radius[state_.projections[bar].cell] > 0.0f) != with_soma) continue;
       if (!propose_root(state_, bar, edit)) {
         state_.projections[bar].phase = Phase::lost;
@@ -298,6 +316,7 @@ Summary grow(State &state, unsigned threads, const Progress &progress, Phases &p
     if (state.projections[bar].parent == none) draw_calibre(state, bar);
   make_space(state);
   phases.end("space");
+  restore(state);
   return Growth(state, threads, phases, watch).run(progress);
 }
 

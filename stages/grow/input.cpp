@@ -179,7 +179,74 @@ void read_bars(conceg_doc *doc, Input &input) {
     check_family(bars, cell);
 }
 
+void check_points(const Earlier &earlier) {
+  all_finite("/skeleton/position", earlier.position, 3 * earlier.rows);
+  for (std::size_t i = 0; i < earlier.rows; i++)
+    if (!(earlier.radius[i] > 0.0f && earlier.radius[i] < 100.0f))
+      fail(CONCEG_E_RANGE, "/skeleton/radius[%zu]: expected a radius above 0 and below 100 um, got %g", i,
+           static_cast<double>(earlier.radius[i]));
+  for (std::size_t i = 0; i < earlier.rows; i++)
+    if (!(earlier.target_radius[i] > 0.0f && earlier.target_radius[i] < 100.0f))
+      fail(CONCEG_E_RANGE, "/skeleton/target_radius[%zu]: expected a radius above 0 and below 100 um, got %g",
+           i, static_cast<double>(earlier.target_radius[i]));
+}
+
+// Each point continues the line of its bar, or starts it on a point of another bar.
+void check_lines(const Input &input) {
+  const Earlier &earlier = input.earlier;
+  for (std::size_t cell = 0; cell < input.cells.count; cell++) {
+    const std::uint64_t first = earlier.cell_offset[cell];
+    const std::uint64_t bars = input.bars.cell_offset[cell + 1] - input.bars.cell_offset[cell];
+    std::vector<std::uint8_t> begun(bars, 0);
+    for (std::uint64_t row = 0; row < earlier.cell_offset[cell + 1] - first; row++) {
+      const std::uint32_t bar = earlier.bar[first + row];
+      const std::int64_t parent = earlier.parent[first + row];
+      const auto at = static_cast<unsigned long long>(first + row);
+      if (bar >= bars)
+        fail(CONCEG_E_RANGE, "/skeleton/bar[%llu]: expected a bar below %llu, got %u", at,
+             static_cast<unsigned long long>(bars), bar);
+      if (parent < -1 || parent >= static_cast<std::int64_t>(row))
+        fail(CONCEG_E_RANGE, "/skeleton/parent[%llu]: expected -1 or an earlier row of the cell, got %lld",
+             at, static_cast<long long>(parent));
+      const bool goes_on = begun[bar] && row > 0 && earlier.bar[first + row - 1] == bar &&
+                           parent == static_cast<std::int64_t>(row) - 1;
+      const bool starts =
+          !begun[bar] && (parent < 0 || earlier.bar[first + static_cast<std::uint64_t>(parent)] != bar);
+      if (!goes_on && !starts)
+        fail(CONCEG_E_RANGE,
+             "/skeleton/bar[%llu]: expected the points of each bar in one line of rows, as conceg grow "
+             "writes them; "
+             "grow.finish carries on its skeletons only",
+             at);
+      begun[bar] = 1;
+    }
+  }
+}
+
 } // namespace
+
+void read_earlier(conceg_doc *doc, Input &input) {
+  if (!has(doc, "/skeleton/position")) return;
+  Earlier &earlier = input.earlier;
+  const View<double> position = view<double>(doc, "/skeleton/position", 3);
+  const std::size_t rows = position.rows();
+  const View<float> radius = view<float>(doc, "/skeleton/radius");
+  const View<float> target = view<float>(doc, "/skeleton/target_radius");
+  const View<std::int64_t> parent = view<std::int64_t>(doc, "/skeleton/parent");
+  const View<std::uint32_t> bar = view<std::uint32_t>(doc, "/skeleton/bar");
+  same_rows("/skeleton/radius", radius.rows(), "/skeleton/position", rows);
+  same_rows("/skeleton/target_radius", target.rows(), "/skeleton/position", rows);
+  same_rows("/skeleton/parent", parent.rows(), "/skeleton/position", rows);
+  same_rows("/skeleton/bar", bar.rows(), "/skeleton/position", rows);
+  earlier.rows = rows, earlier.position = position.data(), earlier.radius = radius.data(),
+  earlier.target_radius = target.data();
+  earlier.parent = parent.data(), earlier.bar = bar.data();
+  earlier.cell_offset = offsets(doc, "/skeleton/cell_offset", input.cells.count, rows).data();
+  earlier.achieved_start = column(doc, "/bars/achieved_start", input.bars.count);
+  earlier.achieved_end = column(doc, "/bars/achieved_end", input.bars.count);
+  check_points(earlier);
+  check_lines(input);
+}
 
 void check_spacing(const Input &input, double max_edge_um) {
   const Network &network = input.network;

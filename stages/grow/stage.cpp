@@ -48,6 +48,11 @@ const conceg_param parameter_table[] = {
      "process", "process|taper", CONCEG_PARAM_CHOICE, 0, 0.0, 0.0},
     {"max_edge_um", "um", "longer edges of the network are no candidates", "2", nullptr, CONCEG_PARAM_F64, 0,
      0.5, 3.0},
+    {"finish", "",
+     "where the document has grown cells, carry on the bars that did not reach their ends instead of growing "
+     "anew "
+     "(second growth, after relax); the recipe must keep: [network]",
+     "false", nullptr, CONCEG_PARAM_BOOL, 0, 0.0, 0.0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0.0, 0.0},
 };
 
@@ -165,6 +170,11 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
     State state;
     state.parameters = read_parameters(params);
     state.input = read_input(doc, conceg_ctx_seed(ctx));
+    const bool finish = conceg_params_bool(params, "finish") != 0;
+    if (finish)
+      read_earlier(doc, state.input);
+    else if (has(doc, "/skeleton"))
+      must(conceg_doc_drop(doc, "/skeleton"));
     check_spacing(state.input, state.parameters.max_edge_um);
     read_entries(doc, std::strcmp(conceg_params_text(params, "straightness"), "dictionary") == 0,
                  std::strcmp(conceg_params_text(params, "calibre"), "process") == 0, state.input);
@@ -183,8 +193,9 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
   });
 }
 
-const char *const reads[] = {"domain", "types", "cells", "bars", "network", nullptr};
-const char *const writes[] = {"skeleton", "bars", nullptr};
+const char *const reads[] = {"domain", "types", "cells", "bars", "network", "?skeleton", nullptr};
+const char *const writes[] = {"skeleton", "bars", "network",
+                              nullptr}; // the network as it was, when it is kept
 const char *const drops[] = {"network", nullptr};
 
 } // namespace

@@ -69,6 +69,16 @@ struct Bars {
   const double *radius = nullptr, *taper = nullptr, *radius_floor = nullptr;
   std::vector<CalibreLaw> calibre = {}; // [count], or empty
 };
+// What an earlier growth left, as it stands now: /skeleton, and the bars' path lengths. No rows = nothing.
+struct Earlier {
+  std::size_t rows = 0;
+  const std::uint64_t *cell_offset = nullptr;
+  const double *position = nullptr;                                // [rows][3], unwrapped
+  const float *radius = nullptr, *target_radius = nullptr;         // [rows]
+  const std::int64_t *parent = nullptr;                            // row within the cell
+  const std::uint32_t *bar = nullptr;                              // row within the cell's bars
+  const double *achieved_start = nullptr, *achieved_end = nullptr; // [bars]
+};
 struct Types {
   std::vector<std::string> name;
   const std::uint32_t *of_cell = nullptr; // null = one type
@@ -80,6 +90,7 @@ struct Input {
   Cells cells;
   Bars bars;
   Types types;
+  Earlier earlier;
   std::uint64_t seed = 1;
 };
 
@@ -183,6 +194,9 @@ struct Projection {
   std::int16_t fork_lifts[2][3] = {};
   std::vector<Vertex> chain;
   std::uint32_t settled = 0; // vertices that no longer move
+  std::uint32_t fixed = 0;   // vertices of an earlier growth, which stay
+  std::uint64_t fixed_row =
+      0; // of vertex i of these is fixed_row + i in Earlier; vertex 0 of a daughter has none
   std::vector<Fork> forks;
   std::vector<std::uint32_t> waiting; // bars due on this projection
   std::vector<std::uint32_t> banned;  // nodes

@@ -389,6 +389,10 @@ Search Collider::find(const Bodies &bodies, const std::vector<double> &radius, c
       narrow(bodies, radius, balls, sides, reach, bodies.chunks[jobs[k].i], bodies.chunks[jobs[k].j],
              jobs[k].up, found[b]);
   });
+  for (const ChunkPair &job : jobs) {
+    const std::uint64_t first = bodies.chunks[job.i].count, second = bodies.chunks[job.j].count;
+    search.visited += job.i == job.j && !positive(job.up) ? first * (first - 1) / 2 : first * second;
+  }
   for (const std::vector<Pair> &list : found)
     search.pairs.insert(search.pairs.end(), list.begin(), list.end());
   std::sort(search.pairs.begin(), search.pairs.end(), pair_before);

@@ -56,6 +56,7 @@ struct ChunkSearch {
 struct Search {
   std::vector<Pair> pairs;       // sorted by (e, f, lift)
   std::uint64_t chunk_pairs = 0; // candidates that Embree gave
+  std::uint64_t visited = 0;     // pairs of elements in them, neighbours in the tree included
 };
 
 class Collider {

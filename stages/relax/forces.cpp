@@ -144,13 +144,13 @@ void ContactForces::add(const Bodies &bodies, const LaneBodies &lanes, const Run
   });
 }
 
-void add_shape_forces(const Bodies &bodies, const Strength &strength, Workers &workers,
-                      std::vector<glm::dvec3> &force, State &state) {
+void add_shape_forces(const Bodies &bodies, const std::vector<double> &rest_length, const Strength &strength,
+                      Workers &workers, std::vector<glm::dvec3> &force, State &state) {
   // Force along the segment that ends at point i, on its end; `change` of its length.
   const auto tension = [&](std::size_t i, double &change) {
     const glm::dvec3 along = bodies.position[i] - bodies.position[static_cast<std::size_t>(bodies.parent[i])];
     const double length = glm::length(along);
-    change = bodies.rest_length[i] - length;
+    change = rest_length[i] - length;
     return length > 0 ? along * (strength.stretch * change / length) : glm::dvec3(0);
   };
   constexpr std::size_t block = 512;

@@ -13,6 +13,8 @@ struct Strength {
   double attraction_range = 0.2; // um beyond `gap`
   double stretch = 0.5;          // share of a change of length that one iteration takes back
   double bending = 0.02;         // share of a change of bend that one iteration takes back
+  double tension = 0.1;          // share of a section's change of length that enters its rest lengths
+  double straightening = 0.01;   // share of what a section's ends came nearer that enters the pull on them
 };
 
 // What the tissue is like in one iteration: energies in um^2 (forces are displacements), overlaps in um.
@@ -38,8 +40,9 @@ private:
   std::vector<State> states_; // per block
 };
 
-// Adds the forces that keep the cells' shape: towards rest length of each segment and the bend at each point.
-void add_shape_forces(const Bodies &bodies, const Strength &strength, Workers &workers,
-                      std::vector<glm::dvec3> &force, State &state);
+// Adds the forces that keep the cells' shape: towards the rest length (per point) of each segment and the
+// bend at each point.
+void add_shape_forces(const Bodies &bodies, const std::vector<double> &rest_length, const Strength &strength,
+                      Workers &workers, std::vector<glm::dvec3> &force, State &state);
 
 } // namespace conceg::relax

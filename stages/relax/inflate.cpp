@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace conceg::relax {
 
@@ -55,45 +56,53 @@ std::vector<double> inflated(const Bodies &bodies, const std::vector<double> &ra
 Inflation inflate_to(const Bodies &bodies, const std::vector<double> &radius,
                      const std::vector<double> &target, const std::vector<std::uint32_t> &class_of,
                      std::size_t classes, const glm::dvec3 &side, const Sample &sample, double gap,
-                     double asked, double mean_tolerance, Workers &workers) {
+                     double asked, const Tolerance &tolerance, Workers &workers) {
   constexpr int halvings = 20;
   const auto fraction = [&](double c) {
     return fractions_of(bodies, inflated(bodies, radius, c), side, sample, gap, workers).planes;
   };
-  const auto too_wide = [&](double c) { // 1 + class, 0 = none
-    const std::vector<ClassRadii> all =
-        class_radii(bodies, inflated(bodies, radius, c), target, class_of, classes);
-    for (std::size_t k = 0; k < classes; k++)
-      if (all[k].mean_ratio() > 1 + mean_tolerance) return k + 1;
-    return std::size_t{0};
+  const auto radii_at = [&](double c) {
+    return class_radii(bodies, inflated(bodies, radius, c), target, class_of, classes);
   };
+  const std::vector<ClassRadii> before = radii_at(0);
   Inflation out;
+  const auto too_far = [&](double c) { // says in `out` what stops it
+    const std::vector<ClassRadii> all = radii_at(c);
+    for (std::size_t k = 0; k < classes; k++) {
+      const double cv = std::abs(all[k].cv_ratio() - 1), cv_before = std::abs(before[k].cv_ratio() - 1);
+      const bool mean = all[k].mean_ratio() > 1 + tolerance.mean;
+      if (!mean && !(cv > std::max(tolerance.cv, cv_before + 1e-9))) continue;
+      out.stop = mean ? Inflation::Stop::mean : Inflation::Stop::cv, out.of_class = k;
+      return true;
+    }
+    return false;
+  };
   out.fraction = fraction(0);
   if (out.fraction >= asked) return out;
   double most = 0;
   for (std::size_t i = 0; i < bodies.points; i++)
     most = std::max(most, largest_inflation * radius[i]);
-  out.stop = 1;
-  if (const std::size_t first = too_wide(most)) {
-    double low = 0, high = most;
-    out.stop = 1 + first;
+  // Between which two c it changes from fits to does not fit.
+  const auto bisect = [&](double high, const auto &fits) {
+    double low = 0;
     for (int n = 0; n < halvings; n++) {
       const double middle = 0.5 * (low + high);
-      if (const std::size_t k = too_wide(middle))
-        high = middle, out.stop = 1 + k;
-      else
-        low = middle;
+      (fits(middle) ? low : high) = middle;
     }
-    most = low;
+    return std::pair(low, high);
+  };
+  out.c = most, out.stop = Inflation::Stop::quarter;
+  if (fraction(most) >= asked) {
+    out.c = bisect(most, [&](double c) { return fraction(c) < asked; }).second;
+    out.stop = Inflation::Stop::none;
   }
-  out.c = most, out.fraction = fraction(most);
-  if (out.fraction < asked) return out;
-  double low = 0, high = most;
-  for (int n = 0; n < halvings; n++) {
-    const double middle = 0.5 * (low + high);
-    (fraction(middle) >= asked ? high : low) = middle;
+  if (too_far(out.c)) {
+    const auto [low, high] = bisect(out.c, [&](double c) { return !too_far(c); });
+    too_far(high);
+    out.c = low;
   }
-  return {high, fraction(high), 0};
+  out.fraction = fraction(out.c);
+  return out;
 }
 
 } // namespace conceg::relax

@@ -27,18 +27,29 @@ std::vector<ClassRadii> class_radii(const Bodies &bodies, const std::vector<doub
 // r + min(c, r / 4) for points; somas stay.
 std::vector<double> inflated(const Bodies &bodies, const std::vector<double> &radius, double c);
 
+// How far a class may stray from its target: its mean radius upwards, its CV either way.
+struct Tolerance {
+  double mean = 0.15, cv = 0.10;
+};
+
 struct Inflation {
+  enum class Stop {
+    none,
+    quarter,
+    mean,
+    cv
+  };                   // reached; a quarter of the radius everywhere; a class's tolerance
   double c = 0;        // um
   double fraction = 0; // reached, with contact planes
-  std::size_t stop =
-      0; // 0: reached; 1: a quarter of the radius everywhere; 2 + k: the mean radius of class k
+  Stop stop = Stop::none;
+  std::size_t of_class = 0; // whose mean or CV stopped it
 };
 
 // The smallest c with which the fraction after contact planes is `asked`, as far as each class keeps its mean
-// radius within `mean_tolerance` of its target. Bisection: both grow with c.
+// radius and its CV within the tolerance (a CV that was beyond it before may not get farther). Bisection.
 Inflation inflate_to(const Bodies &bodies, const std::vector<double> &radius,
                      const std::vector<double> &target, const std::vector<std::uint32_t> &class_of,
                      std::size_t classes, const glm::dvec3 &side, const Sample &sample, double gap,
-                     double asked, double mean_tolerance, Workers &workers);
+                     double asked, const Tolerance &tolerance, Workers &workers);
 
 } // namespace conceg::relax

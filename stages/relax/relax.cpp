@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "relax.hpp"
 
+#include "tension.hpp"
+
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -39,8 +41,9 @@ void keep_inside(const conceg_box &box, const glm::dvec3 &start, glm::dvec3 &p) 
 
 } // namespace
 
-Moved move_bodies(Bodies &bodies, const conceg_box &box, const Strength &strength, const Motion &motion,
-                  Collider &collider, Workers &workers, const Progress &progress, const Watch &watch) {
+Moved move_bodies(Bodies &bodies, const Sections &sections, const conceg_box &box, const Strength &strength,
+                  const Motion &motion, Collider &collider, Workers &workers, const Progress &progress,
+                  const Watch &watch) {
   Moved moved;
   const std::vector<glm::dvec3> start(bodies.position.begin(),
                                       bodies.position.begin() + static_cast<std::ptrdiff_t>(bodies.points));
@@ -54,6 +57,7 @@ Moved move_bodies(Bodies &bodies, const conceg_box &box, const Strength &strengt
   LaneBodies lanes;
   Runs runs, close;
   std::vector<glm::ivec3> lift;
+  Tension tension(bodies, sections, strength, motion.step);
   moved.length_before = cable(bodies);
   for (int iteration = 0; iteration < motion.iterations; iteration++) {
     report(progress, "relax", static_cast<std::uint64_t>(iteration),
@@ -76,7 +80,8 @@ Moved move_bodies(Bodies &bodies, const conceg_box &box, const Strength &strengt
     std::fill(force.begin(), force.end(), glm::dvec3(0));
     State state;
     contacts.add(bodies, lanes, close, strength, workers, force, state);
-    add_shape_forces(bodies, strength, workers, force, state);
+    add_shape_forces(bodies, tension.rest_length(), strength, workers, force, state);
+    tension.add_forces(bodies, force);
     moved.states.push_back(state);
     if (watch) watch(iteration, state);
     // Pairs that cannot come apart would swing for ever: steps get shorter.
@@ -89,6 +94,7 @@ Moved move_bodies(Bodies &bodies, const conceg_box &box, const Strength &strengt
       bodies.position[i] += velocity[i];
       keep_inside(box, start[i], bodies.position[i]);
     });
+    tension.update(bodies, workers);
   }
   for (std::size_t i = 0; i < bodies.points; i++)
     moved.mean_shift += glm::distance(bodies.position[i], start[i]);

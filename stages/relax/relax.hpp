@@ -3,6 +3,7 @@
 #pragma once
 
 #include "forces.hpp"
+#include "shape.hpp"
 
 #include <functional>
 
@@ -27,7 +28,8 @@ using Watch = std::function<void(int iteration, const State &state)>;
 
 // Moves bodies.position; radii stay. Pinned nodes stay where they are; on an open axis no point leaves the
 // box.
-Moved move_bodies(Bodies &bodies, const conceg_box &box, const Strength &strength, const Motion &motion,
-                  Collider &collider, Workers &workers, const Progress &progress, const Watch &watch = {});
+Moved move_bodies(Bodies &bodies, const Sections &sections, const conceg_box &box, const Strength &strength,
+                  const Motion &motion, Collider &collider, Workers &workers, const Progress &progress,
+                  const Watch &watch = {});
 
 } // namespace conceg::relax

@@ -101,10 +101,11 @@ void grow_back(const Bodies &bodies, const std::vector<Pair> &pairs, const Incid
 } // namespace
 
 Cut cut_radii(const Bodies &bodies, const std::vector<Pair> &pairs, const glm::dvec3 &side, double gap,
-              std::vector<double> &radius, Workers &workers, const Progress &progress) {
+              const std::vector<double> &most, std::vector<double> &radius, Workers &workers,
+              const Progress &progress) {
   Cut cut;
   cut.pairs = pairs.size();
-  const std::vector<double> most = radius;
+  const std::vector<double> asked_for = radius;
   const Incidence incidence(bodies, pairs);
   std::vector<std::array<double, 4>> asked(pairs.size(), {0, 0, 0, 0});
   std::vector<std::uint8_t> asks(pairs.size(), 0);
@@ -136,7 +137,7 @@ Cut cut_radii(const Bodies &bodies, const std::vector<Pair> &pairs, const glm::d
   grow_back(bodies, pairs, incidence, side, gap, most, radius, workers);
   double sum = 0;
   for (std::size_t i = 0; i < bodies.points; i++)
-    cut.constricted += radius[i] < constricted_share * most[i], sum += radius[i] / most[i];
+    cut.constricted += radius[i] < constricted_share * asked_for[i], sum += radius[i] / asked_for[i];
   if (bodies.points) cut.mean_share = sum / static_cast<double>(bodies.points);
   return cut;
 }

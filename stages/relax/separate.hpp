@@ -18,10 +18,11 @@ struct Cut {
 };
 
 // Cuts `radius` (per radius, as in Bodies; somas stay) until every pair keeps `gap`, never below
-// bodies.floor; then gives back what is free. Points of a pair are cut in proportion to what they have above
-// their floor.
+// bodies.floor; then gives what is free, up to `most`, for which `pairs` must have been found. Points of a
+// pair are cut in proportion to what they have above their floor.
 Cut cut_radii(const Bodies &bodies, const std::vector<Pair> &pairs, const glm::dvec3 &side, double gap,
-              std::vector<double> &radius, Workers &workers, const Progress &progress);
+              const std::vector<double> &most, std::vector<double> &radius, Workers &workers,
+              const Progress &progress);
 
 // The largest single-precision number that is not above x.
 float not_above(double x);

@@ -1,40 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The relax stage: skeletons are moved so that they can have their target radii, and cut where they cannot.
 #include "inflate.hpp"
-#include "relax.hpp"
-#include "separate.hpp"
+#include "input.hpp"
+#include "pack.hpp"
 #include "spheres.hpp"
 
 #include "conceg/stage.h"
 
 #include <glm/vec3.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
 #include <string>
 
 namespace {
 
 using namespace conceg;
 using namespace conceg::relax;
-
-template <class T> std::vector<T> values(conceg_doc *doc, const char *path) {
-  const View<T> v = view<T>(doc, path);
-  return std::vector<T>(v.begin(), v.end());
-}
-
-Skeletons read_skeletons(conceg_doc *doc) {
-  Skeletons s;
-  s.cell_offset = values<std::uint64_t>(doc, "/skeleton/cell_offset");
-  s.position = vec3s<glm::dvec3>(doc, "/skeleton/position");
-  s.radius = values<float>(doc, "/skeleton/radius");
-  s.target_radius = values<float>(doc, "/skeleton/target_radius");
-  s.parent = values<std::int64_t>(doc, "/skeleton/parent");
-  s.soma = vec3s<glm::dvec3>(doc, "/cells/soma");
-  s.soma_radius = values<float>(doc, "/cells/radius");
-  return s;
-}
 
 std::string percent(std::uint64_t part, std::uint64_t whole) {
   char text[32];
@@ -67,30 +50,6 @@ void write_back(conceg_doc *doc, const Skeletons &s, const std::vector<std::uint
 }
 
 constexpr std::size_t sample_points = 200000;
-constexpr double mean_tolerance = 0.15; // of a class's mean radius
-
-// The class of each cell, and their names.
-struct Classes {
-  std::vector<std::string> name;
-  std::vector<std::uint32_t> of_cell;
-};
-
-Classes read_classes(conceg_doc *doc, std::size_t cells) {
-  Classes out;
-  const std::vector<std::string> of_type = texts(doc, "/types/class");
-  const std::vector<std::uint32_t> type = values<std::uint32_t>(doc, "/cells/type");
-  std::map<std::string, std::uint32_t> number;
-  if (type.size() != cells)
-    fail(CONCEG_E_FORMAT, "/cells/type: expected %zu values, got %zu", cells, type.size());
-  for (std::size_t i = 0; i < cells; i++) {
-    if (type[i] >= of_type.size())
-      fail(CONCEG_E_RANGE, "/cells/type[%zu]: expected a type below %zu, got %u", i, of_type.size(), type[i]);
-    const auto found = number.emplace(of_type[type[i]], static_cast<std::uint32_t>(number.size()));
-    if (found.second) out.name.push_back(of_type[type[i]]);
-    out.of_cell.push_back(found.first->second);
-  }
-  return out;
-}
 
 // The table of the iterations, as a CSV file; whole or not at all.
 class Trace {
@@ -130,6 +89,8 @@ Strength strength_of(const conceg_params *params) {
   strength.attraction_range = conceg_params_f64(params, "attraction_range_um");
   strength.stretch = conceg_params_f64(params, "stretch");
   strength.bending = conceg_params_f64(params, "bending");
+  strength.tension = conceg_params_f64(params, "tension");
+  strength.straightening = conceg_params_f64(params, "straightening");
   return strength;
 }
 
@@ -140,6 +101,13 @@ Motion motion_of(const conceg_params *params) {
   motion.step = conceg_params_f64(params, "step_um");
   motion.skin = conceg_params_f64(params, "skin_um");
   return motion;
+}
+
+Rounds rounds_of(const conceg_params *params) {
+  Rounds rounds;
+  rounds.count = static_cast<int>(conceg_params_i64(params, "rounds"));
+  rounds.widening = conceg_params_f64(params, "widening_um");
+  return rounds;
 }
 
 void log_state(conceg_ctx *ctx, conceg_log_level level, int iteration, const State &s) {
@@ -159,6 +127,17 @@ void log_classes(conceg_ctx *ctx, const Classes &classes, const std::vector<Clas
           classes.name[k].c_str(), radii[k].mean, radii[k].mean_ratio(), radii[k].cv, radii[k].cv_ratio());
 }
 
+void log_shape(conceg_ctx *ctx, const ShapeChange &c) {
+  constexpr double degrees = 180 / 3.14159265358979323846;
+  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                 "shape: %.2f %% of %zu sections within 3 %% of their length (mean ratio %.4f, worst change "
+                 "%.1f %% beyond 2 um); "
+                 "straightness %.4f -> %.4f; fork angle %.2f -> %.2f degrees, %.1f %% of %zu forks within 3",
+                 100 * c.length_within, c.sections, c.mean_length_ratio, 100 * c.worst_length_change,
+                 c.straightness_before, c.straightness_after, degrees * c.mean_angle_before,
+                 degrees * c.mean_angle_after, 100 * c.angle_within, c.forks);
+}
+
 // Widens `radius` until the cells fill `asked` of the box behind their contact planes, and says how far it
 // came.
 void fill_box(conceg_ctx *ctx, const Bodies &bodies, const conceg_box &box, const std::vector<double> &target,
@@ -168,16 +147,20 @@ void fill_box(conceg_ctx *ctx, const Bodies &bodies, const conceg_box &box, cons
   const Sample sample = make_sample(bodies, most, box, sample_points, gap, workers);
   const double before = fractions_of(bodies, radius, side(box), sample, gap, workers).planes;
   const Inflation done = inflate_to(bodies, radius, target, classes.of_cell, classes.name.size(), side(box),
-                                    sample, gap, asked, mean_tolerance, workers);
+                                    sample, gap, asked, Tolerance(), workers);
   radius = inflated(bodies, radius, done.c);
   conceg_ctx_log(
       ctx, CONCEG_LOG_INFO,
       "volume fraction behind contact planes: %.4f without inflation, %.4f with %.4f um; asked %.4f", before,
       done.fraction, done.c, asked);
-  if (!done.stop) return;
-  const std::string why = done.stop == 1 ? "no radius may grow by more than a quarter"
-                                         : "the mean radius of class " + classes.name[done.stop - 2] +
-                                               " may not be more than 15 % above its target";
+  if (done.stop == Inflation::Stop::none) return;
+  const std::string name = classes.name[done.of_class];
+  const std::string why =
+      done.stop == Inflation::Stop::quarter ? "no radius may grow by more than a quarter"
+      : done.stop == Inflation::Stop::mean
+          ? "the mean radius of class " + name + " may not be more than 15 % above its target"
+          : "the coefficient of variation of the radii of class " + name +
+                " may not be more than 10 % off its target";
   conceg_ctx_log(
       ctx, CONCEG_LOG_WARNING,
       "relax: icvf: asked %.4f, reached %.4f: %s; ask for more cable or thicker processes in the recipe",
@@ -196,6 +179,7 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
   const Motion motion = motion_of(params);
   const double contact = conceg_params_f64(params, "contact_overlap_um"),
                asked = conceg_params_f64(params, "icvf");
+  Phases phases;
   Trace trace(conceg_params_text(params, "trace"));
 
   Bodies bodies = make_bodies(skeletons, conceg_params_f64(params, "radius_min_um"));
@@ -217,28 +201,39 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
          "raise "
          "place.soma_gap_um",
          count(before.overlapping_somas), before.deepest_somas, before.soma_e, before.soma_f);
+  const Sections sections = make_sections(bodies);
+  const Shape shape = measure_shape(bodies, sections, workers);
+  phases.end("input and search");
   std::vector<double> unmoved = target;
-  const Cut without = cut_radii(bodies, at_start, sides, strength.gap, unmoved, workers, progress);
+  const Cut without = cut_radii(bodies, at_start, sides, strength.gap, target, unmoved, workers, progress);
 
-  const Moved moved = move_bodies(
-      bodies, box, strength, motion, collider, workers, progress, [&](int iteration, const State &state) {
-        log_state(ctx, iteration % 20 ? CONCEG_LOG_DEBUG : CONCEG_LOG_INFO, iteration, state);
-        if (trace.wanted() && iteration % 5 == 0) trace.add(iteration, state, fractions(target));
-      });
+  phases.end("cut before");
+  const Moved moved =
+      move_bodies(bodies, sections, box, strength, motion, collider, workers, progress,
+                  [&](int iteration, const State &state) {
+                    log_state(ctx, iteration % 20 ? CONCEG_LOG_DEBUG : CONCEG_LOG_INFO, iteration, state);
+                    if (trace.wanted() && iteration % 5 == 0) trace.add(iteration, state, fractions(target));
+                  });
   trace.write();
+  phases.end("move");
   const std::vector<Pair> at_end = close_pairs(target, strength.gap);
   log_certificate(ctx, CONCEG_LOG_INFO, "moved, at target radii",
                   certify(bodies, at_end, sides, strength.gap, target, workers));
-  std::vector<double> radius = target;
-  const Cut cut = cut_radii(bodies, at_end, sides, strength.gap, radius, workers, progress);
+  Cut cut;
+  std::vector<double> radius =
+      pack(bodies, sections, box, strength, motion, rounds_of(params), collider, workers, progress, cut);
+  log_shape(ctx, compare_shapes(shape, measure_shape(bodies, sections, workers)));
   const Fractions strict = fractions(radius);
-  conceg_ctx_log(ctx, CONCEG_LOG_INFO, "volume fraction of disjoint round cones: %.4f", strict.united);
+  phases.end("cut and pack");
+  conceg_ctx_log(ctx, CONCEG_LOG_INFO, "volume fraction of disjoint round cones, %.3f um apart: %.4f",
+                 strength.gap, strict.united);
   if (contact > 0) {
     radius = target;
-    cut_radii(bodies, at_end, sides, -contact, radius, workers, progress);
+    cut_radii(bodies, close_pairs(target, 0), sides, -contact, target, radius, workers, progress);
   }
   if (asked > 0) fill_box(ctx, bodies, box, target, classes, strength.gap, asked, radius, workers);
 
+  phases.end("fill");
   std::vector<std::uint8_t> status(bodies.points);
   for (std::size_t i = 0; i < bodies.points; i++) {
     skeletons.position[i] = bodies.position[i];
@@ -247,8 +242,15 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
     radius[i] = skeletons.radius[i];
   }
   // The certificate looks at what is written, over a list of its own.
-  const std::vector<Pair> at_last = close_pairs(radius, strength.gap);
-  const Certificate final = certify(bodies, at_last, sides, strength.gap, radius, workers);
+  const Search last = collider.find(bodies, radius, box, strength.gap, workers);
+  const Certificate final = certify(bodies, last.pairs, sides, strength.gap, radius, workers);
+  const bool chained = std::any_of(bodies.chunks.begin(), bodies.chunks.end(),
+                                   [](const Chunk &chunk) { return chunk.count > 1; });
+  if (!last.visited && chained)
+    fail(CONCEG_E_STAGE, "the last search visited no pair of %zu round cones: nothing is proven",
+         bodies.elements.size());
+  conceg_ctx_log(ctx, CONCEG_LOG_INFO, "certificate: %llu pairs of %zu round cones visited",
+                 count(last.visited), bodies.elements.size());
   log_certificate(ctx, CONCEG_LOG_INFO, "written", final);
   const bool left_to_planes = contact > 0 || asked > 0;
   if (final.overlapping && !left_to_planes)
@@ -287,7 +289,9 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
       "shift %.3f um mean, %.3f um largest; cable %.1f -> %.1f um",
       bodies.points, motion.iterations, count(moved.rebuilds), count(moved.prunes), count(moved.runs),
       moved.mean_shift, moved.largest_shift, moved.length_before, moved.length_after);
+  phases.end("certify");
   workers.count(ctx, "relax.items");
+  tell_phases(ctx, "relax", phases, workers.busy_s(), workers.threads());
   write_back(doc, skeletons, status, resample(skeletons, conceg_params_f64(params, "sphere_spacing")));
 }
 
@@ -309,11 +313,20 @@ const conceg_param parameters[] = {
      CONCEG_PARAM_F64, 0, 0, 0.8},
     {"bending", "1", "share of a change of bend that one step takes back", "0.02", nullptr, CONCEG_PARAM_F64,
      0, 0, 0.5},
+    {"tension", "1", "share of a section's change of length that one step adds to what its segments want",
+     "0.1", nullptr, CONCEG_PARAM_F64, 0, 0, 1},
+    {"straightening", "1",
+     "share of what the ends of a section came nearer that one step adds to the pull on them", "0.01",
+     nullptr, CONCEG_PARAM_F64, 0, 0, 1},
     {"momentum", "1", "share of the last step that goes on (heavy ball)", "0.8", nullptr, CONCEG_PARAM_F64, 0,
      0, 0.99},
     {"step_um", "um", "largest move of a point in one step", "0.05", nullptr, CONCEG_PARAM_F64, 0, 0.0001, 1},
     {"skin_um", "um", "slack of the list of pairs; changes the time, and the result by rounding", "0.6",
      nullptr, CONCEG_PARAM_F64, 0, 0.01, 5},
+    {"rounds", "1", "after the iterations, rounds of cutting, widening and moving that pack without overlap",
+     "0", nullptr, CONCEG_PARAM_I64, 0, 0, 1000},
+    {"widening_um", "um", "of every radius at the beginning of the first round, falling to 0.3 of it", "0.12",
+     nullptr, CONCEG_PARAM_F64, 0, 0, 1},
     {"icvf", "1", "volume fraction to fill behind the mesh's contact planes by widening all radii; 0 = off",
      "0", nullptr, CONCEG_PARAM_F64, 0, 0, 0.95},
     {"contact_overlap_um", "um",

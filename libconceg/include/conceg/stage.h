@@ -26,7 +26,7 @@ typedef struct conceg_stage {
   const char *summary; /* one line */
   const char *example; /* one command line for --help */
   const conceg_param *params;
-  const char *const *reads;  /* groups that must be there, NULL-terminated */
+  const char *const *reads;  /* groups that must be there ("?skeleton": may be), NULL-terminated */
   const char *const *writes; /* groups that the stage makes; what depends on them is dropped by the host */
   const char *const *drops;  /* groups that are no longer wanted afterwards (unless the recipe says keep) */
   uint64_t flags;

@@ -175,6 +175,32 @@ void straightness() {
   breaks_with("/dictionary/entry_straightness[1]", CONCEG_E_RANGE, ask(1.5));
 }
 
+// A skeleton that growth did not write is not carried on; without one, finish grows all; without finish it is
+// gone.
+void finish() {
+  const World world = small_world();
+  CHECK(run(world, 1).skeleton == run(world, 1, nullptr, nullptr, "grow.finish=true").skeleton);
+  const auto points = [](std::vector<std::int64_t> parent, std::vector<std::uint32_t> bar) {
+    return [=](conceg_doc *doc) {
+      const std::size_t rows = parent.size();
+      conceg::put(doc, "/skeleton/cell_offset", std::vector<std::uint64_t>{0, rows, rows});
+      conceg::put(doc, "/skeleton/position", std::vector<double>(3 * rows, 1.0).data(), rows, 3);
+      conceg::put(doc, "/skeleton/radius", std::vector<float>(rows, 0.3f));
+      conceg::put(doc, "/skeleton/target_radius", std::vector<float>(rows, 0.3f));
+      conceg::put(doc, "/skeleton/parent", parent);
+      conceg::put(doc, "/skeleton/bar", bar);
+      const std::size_t bars = conceg::view<std::uint32_t>(doc, "/bars/tree").rows();
+      conceg::put(doc, "/bars/achieved_start", std::vector<double>(bars, 0.0));
+      conceg::put(doc, "/bars/achieved_end", std::vector<double>(bars, 1.0));
+    };
+  };
+  breaks_with("/skeleton/bar[1]", CONCEG_E_RANGE, points({-1, 0, 1}, {0, 999, 0}), "grow.finish=true");
+  breaks_with("/skeleton/bar[2]", CONCEG_E_RANGE, points({-1, 0, 0}, {0, 0, 0}), "grow.finish=true");
+  breaks_with("/skeleton/parent[1]", CONCEG_E_RANGE, points({-1, 1, 1}, {0, 0, 0}), "grow.finish=true");
+  breaks_with("one point", CONCEG_E_RANGE, points({-1}, {0}), "grow.finish=true");
+  CHECK(run(world, 1).skeleton == run(world, 1, nullptr, points({-1, 0, 1}, {0, 999, 0})).skeleton);
+}
+
 void parameters_out_of_range() {
   for (const char *set : {"grow.lambda_per_um=0", "grow.lambda_per_um=-1", "grow.f=-1", "grow.g0_um=0",
                           "grow.r_min_um=0", "grow.retries=-1", "grow.calibre=none"})
@@ -214,6 +240,7 @@ int main() {
   });
   calibre();
   straightness();
+  finish();
   parameters_out_of_range();
   return check_done();
 }

@@ -126,7 +126,7 @@ void no_drift() {
   State state;
   Workers workers(1);
   bodies = make_bodies(s, 0.1);
-  add_shape_forces(bodies, Strength(), workers, shape, state);
+  add_shape_forces(bodies, bodies.rest_length, Strength(), workers, shape, state);
   for (const glm::dvec3 &f : shape)
     CHECK(glm::length(f) < 1e-12); // at rest at the start
 }
@@ -138,7 +138,8 @@ void crossing_cables_separate() {
   Workers workers(2);
   Collider collider(2);
   Motion motion;
-  const Moved moved = move_bodies(bodies, box, Strength(), motion, collider, workers, {});
+  const Moved moved =
+      move_bodies(bodies, make_sections(bodies), box, Strength(), motion, collider, workers, {});
   const Certificate after =
       certify(bodies, scene::find(bodies, box, 0.2), side(box), 0.04, bodies.radius, workers);
   printf("crossing cables: smallest gap %.4f um after %d iterations, cable %.3f -> %.3f um\n",
@@ -161,7 +162,7 @@ void open_box_keeps_points() {
   const conceg_box box = scene::box_of(10, false);
   Workers workers(1);
   Collider collider(1);
-  move_bodies(bodies, box, Strength(), Motion(), collider, workers, {});
+  move_bodies(bodies, make_sections(bodies), box, Strength(), Motion(), collider, workers, {});
   for (const glm::dvec3 &p : bodies.position)
     for (int a = 0; a < 3; a++)
       CHECK(p[a] >= 0 && p[a] <= 10);
@@ -176,7 +177,7 @@ void same_bytes() {
     Collider collider(threads);
     Motion motion;
     motion.iterations = 25;
-    move_bodies(bodies, box, Strength(), motion, collider, workers, {});
+    move_bodies(bodies, make_sections(bodies), box, Strength(), motion, collider, workers, {});
     if (threads == 1) first = bodies.position;
     CHECK(!memcmp(first.data(), bodies.position.data(), first.size() * sizeof first[0]));
   }
@@ -188,7 +189,7 @@ void cancels() {
   Collider collider(1);
   bool stopped = false;
   try {
-    move_bodies(bodies, scene::box_of(40), Strength(), Motion(), collider, workers,
+    move_bodies(bodies, make_sections(bodies), scene::box_of(40), Strength(), Motion(), collider, workers,
                 [](const char *, std::uint64_t done, std::uint64_t) { return done < 3; });
   } catch (const Error &error) {
     stopped = error.status() == CONCEG_E_CANCELLED;

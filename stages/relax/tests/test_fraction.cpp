@@ -46,28 +46,49 @@ void fractions_by_formula() {
   CHECK(squares == planes(cables(2.0f), 0.1, 3));
 }
 
-Inflation inflate(double asked, double tolerance) {
+Inflation inflate(double asked, double mean) {
   Workers workers(2);
   const conceg_box box = scene::box_of(10);
   const Bodies bodies = cables(0.8f);
   const Sample sample = make_sample(bodies, inflated(bodies, bodies.radius, 1e9), box, 100000, 1e-9, workers);
   return inflate_to(bodies, bodies.radius, bodies.radius, std::vector<std::uint32_t>(16, 0), 1, side(box),
-                    sample, 1e-9, asked, tolerance, workers);
+                    sample, 1e-9, asked, {mean, 0.1}, workers);
 }
 
 void inflation_has_a_known_end() {
   // 16 pi r^2 = 0.36 * 100 at r = 0.8463.
   const Inflation reached = inflate(0.36, 0.15);
   printf("inflation %.4f um to %.4f\n", reached.c, reached.fraction);
-  CHECK_EQUAL(reached.stop, 0);
+  CHECK(reached.stop == Inflation::Stop::none);
   CHECK_NEAR(reached.fraction, 0.36, 0.001);
   CHECK_NEAR(reached.c, std::sqrt(36 / (16 * pi)) - 0.8, 0.01);
   const Inflation mean = inflate(0.9, 0.15);
-  CHECK_EQUAL(mean.stop, 2); // class 0
+  CHECK(mean.stop == Inflation::Stop::mean && mean.of_class == 0);
   CHECK_NEAR(mean.c, 0.15 * 0.8, 1e-4);
   const Inflation quarter = inflate(0.9, 0.5);
-  CHECK_EQUAL(quarter.stop, 1);
+  CHECK(quarter.stop == Inflation::Stop::quarter);
   CHECK_NEAR(quarter.c, 0.25 * 0.8, 1e-6);
+}
+
+// Two thin and two thick cables: c is as much for both, until the thin ones have got a quarter.
+void spread_is_kept() {
+  Workers workers(2);
+  const conceg_box box = scene::box_of(10);
+  Skeletons s;
+  for (int i = 0; i < 4; i++)
+    scene::add_cable(s, {2.5 * i + 1, 5, 1}, {0, 0, 0.5}, 17, i < 2 ? 0.2f : 0.8f);
+  const Bodies bodies = make_bodies(s, 0.1);
+  const Sample sample = make_sample(bodies, inflated(bodies, bodies.radius, 1e9), box, 100000, 1e-9, workers);
+  const auto to = [&](double cv) {
+    return inflate_to(bodies, bodies.radius, bodies.radius, std::vector<std::uint32_t>(4, 0), 1, side(box),
+                      sample, 1e-9, 0.0447, {10, cv}, workers);
+  };
+  const Inflation kept = to(0.05);
+  CHECK(kept.stop == Inflation::Stop::cv);
+  const std::vector<double> wide = inflated(bodies, bodies.radius, kept.c);
+  const ClassRadii radii = class_radii(bodies, wide, bodies.radius, std::vector<std::uint32_t>(4, 0), 1)[0];
+  CHECK_NEAR(radii.cv_ratio(), 1.05, 1e-3);
+  CHECK(to(10).stop != Inflation::Stop::cv && to(10).c > kept.c);
 }
 
 } // namespace
@@ -75,5 +96,6 @@ void inflation_has_a_known_end() {
 int main() {
   fractions_by_formula();
   inflation_has_a_known_end();
+  spread_is_kept();
   return check_done();
 }

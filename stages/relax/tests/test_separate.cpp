@@ -21,9 +21,11 @@ Certificate look(const Bodies &bodies, const conceg_box &box, const std::vector<
 }
 
 std::vector<double> cut(const Bodies &bodies, const conceg_box &box, unsigned threads, Cut &result) {
-  std::vector<double> radius = bodies.radius;
+  const std::vector<double> most = bodies.radius;
+  std::vector<double> radius = most;
   Workers workers(threads);
-  result = cut_radii(bodies, scene::find(bodies, box, gap, threads), side(box), gap, radius, workers, {});
+  result =
+      cut_radii(bodies, scene::find(bodies, box, gap, threads), side(box), gap, most, radius, workers, {});
   return radius;
 }
 

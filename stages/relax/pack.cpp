@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pack.hpp"
+
+#include <algorithm>
+
+namespace conceg::relax {
+
+namespace {
+
+constexpr int steps_per_round = 8;
+constexpr double step_share = 1.0;
+
+} // namespace
+
+std::vector<double> pack(Bodies &bodies, const Sections &sections, const conceg_box &box,
+                         const Strength &strength, const Motion &motion, const Rounds &rounds,
+                         Collider &collider, Workers &workers, const Progress &progress, Cut &cut) {
+  const std::vector<double> target = bodies.radius;
+  std::vector<double> most = target;
+  if (rounds.count)
+    for (std::size_t i = 0; i < bodies.points; i++)
+      most[i] *= rounds.most;
+  Motion short_motion = motion;
+  short_motion.iterations = steps_per_round, short_motion.step = step_share * motion.step;
+  for (int round = 0;; round++) {
+    const std::vector<Pair> pairs = collider.find(bodies, most, box, strength.gap, workers).pairs;
+    std::vector<double> radius = target;
+    cut = cut_radii(bodies, pairs, side(box), strength.gap, most, radius, workers, progress);
+    if (round == rounds.count) return radius;
+    report(progress, "relax: pack", static_cast<std::uint64_t>(round),
+           static_cast<std::uint64_t>(rounds.count));
+    for (std::size_t i = 0; i < bodies.points; i++)
+      bodies.radius[i] = std::min(most[i], radius[i] + rounds.widening * (1 - 0.7 * round / rounds.count));
+    move_bodies(bodies, sections, box, strength, short_motion, collider, workers, {});
+    bodies.radius = target;
+  }
+}
+
+} // namespace conceg::relax
