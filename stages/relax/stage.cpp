@@ -4,6 +4,7 @@
 #include "input.hpp"
 #include "pack.hpp"
 #include "spheres.hpp"
+#include "trace.hpp"
 
 #include "conceg/stage.h"
 
@@ -50,36 +51,6 @@ void write_back(conceg_doc *doc, const Skeletons &s, const std::vector<std::uint
 }
 
 constexpr std::size_t sample_points = 200000;
-
-// The table of the iterations, as a CSV file; whole or not at all.
-class Trace {
-public:
-  explicit Trace(std::string path) : path_(std::move(path)) {}
-  bool wanted() const { return !path_.empty(); }
-  void add(int iteration, const State &s, const Fractions &f) {
-    char line[256];
-    std::snprintf(line, sizeof line, "%d,%.6g,%.6g,%llu,%.6g,%.6g,%.6f,%.6f,%.6f\n", iteration,
-                  s.contact_energy, s.shape_energy, static_cast<unsigned long long>(s.overlapping),
-                  s.overlap_sum, s.largest_overlap, f.united, f.several, f.planes);
-    rows_ += line;
-  }
-  void write() const {
-    if (!wanted()) return;
-    const std::string part = path_ + ".part";
-    std::FILE *file = std::fopen(part.c_str(), "w");
-    const std::string head = "iteration,contact_energy_um2,shape_energy_um2,overlapping_pairs,overlap_sum_um,"
-                             "largest_overlap_um,icvf_united,icvf_several,icvf_planes\n";
-    bool good = file && std::fputs((head + rows_).c_str(), file) >= 0;
-    if (file) good = std::fclose(file) == 0 && good;
-    if (!good || std::rename(part.c_str(), path_.c_str()) != 0) {
-      std::remove(part.c_str());
-      fail(CONCEG_E_IO, "%s: cannot be written", path_.c_str());
-    }
-  }
-
-private:
-  std::string path_, rows_;
-};
 
 Strength strength_of(const conceg_params *params) {
   Strength strength;
@@ -180,7 +151,9 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
   const double contact = conceg_params_f64(params, "contact_overlap_um"),
                asked = conceg_params_f64(params, "icvf");
   Phases phases;
-  Trace trace(conceg_params_text(params, "trace"));
+  const std::string table = conceg_params_text(params, "trace"),
+                    pictures = conceg_params_text(params, "pictures");
+  std::vector<Step> trace;
 
   Bodies bodies = make_bodies(skeletons, conceg_params_f64(params, "radius_min_um"));
   const std::vector<double> target = bodies.radius;
@@ -212,9 +185,11 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
       move_bodies(bodies, sections, box, strength, motion, collider, workers, progress,
                   [&](int iteration, const State &state) {
                     log_state(ctx, iteration % 20 ? CONCEG_LOG_DEBUG : CONCEG_LOG_INFO, iteration, state);
-                    if (trace.wanted() && iteration % 5 == 0) trace.add(iteration, state, fractions(target));
+                    if (!(table.empty() && pictures.empty()) && iteration % 5 == 0)
+                      trace.push_back({iteration, state, fractions(target)});
                   });
-  trace.write();
+  if (!table.empty()) write_table(table, trace);
+  if (!pictures.empty()) write_figure(pictures, trace);
   phases.end("move");
   const std::vector<Pair> at_end = close_pairs(target, strength.gap);
   log_certificate(ctx, CONCEG_LOG_INFO, "moved, at target radii",
@@ -336,6 +311,8 @@ const conceg_param parameters[] = {
      CONCEG_PARAM_F64, 0, 0.01, 10},
     {"trace", "", "table of energy, overlap and volume fraction every fifth iteration, a CSV file", "",
      nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
+    {"pictures", "", "folder for relaxation.svg: overlap and volume fraction by iteration", "", nullptr,
+     CONCEG_PARAM_FILE, 0, 0, 0},
     {"sphere_spacing", "1", "distance of the spheres of /spheres in radii", "1", nullptr, CONCEG_PARAM_F64, 0,
      0.05, 2},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};
