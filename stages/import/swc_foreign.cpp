@@ -95,10 +95,17 @@ void import_swc(const Request &request, conceg_doc *doc, bool *restored) {
       read_files(request.ctx, find_files(request.names, {".swc"}), request.swc_flags);
   const bool blocks =
       std::any_of(files.begin(), files.end(), [](const SwcFile &file) { return file.blocks.present; });
-  if (blocks)
+  if (blocks && request.box_um > 0.0)
+    fail(CONCEG_E_PARAM, "box_um: %s and its like carry the box of their document; leave box_um out",
+         files[0].path.c_str());
+  if (blocks) {
     *restored = restore_document(request.ctx, doc, files);
-  else
-    write_document(request.ctx, doc, read_foreign_swc(files, request), request.margin_um);
+    return;
+  }
+  Scene scene = read_foreign_swc(files, request);
+  if (request.box_um > 0.0) scene.corner_box(request.box_um);
+  check_frame(scene, files[0].path, "the files are taken to be in um and --box-um to begin at the origin");
+  write_document(request.ctx, doc, scene, request.margin_um);
 }
 
 } // namespace conceg::importing

@@ -41,8 +41,7 @@ void write_figure(const std::string &folder, const std::vector<Step> &steps) {
   fraction.line(united, dark, 1), fraction.line(planes, blue, 1), fraction.line(several, red, 1);
   plot::legend(page, {boxes[0].left, 215}, {{"largest", dark}, {"mean of those that overlap", red}},
                plot::Anchor::left);
-  plot::legend(page, {boxes[1].left, 215},
-               {{"in cells", dark}, {"behind planes", blue}, {"in several", red}},
+  plot::legend(page, {boxes[1].left, 215}, {{"in cells", dark}, {"behind planes", blue}, {"in several", red}},
                plot::Anchor::left);
   OutputFile file(folder + "/relaxation.svg");
   file.write(page.svg("Overlap and volume fraction as the tissue relaxes"));

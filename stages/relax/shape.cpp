@@ -74,17 +74,21 @@ double length_of(const Bodies &bodies, const Sections &sections, std::size_t sec
   return sum;
 }
 
+double straightness_of(const Bodies &bodies, const Sections &sections, std::size_t section) {
+  if (sections.length[section] < shortest_judged_um) return -1;
+  ResampledPath line(bodies.position[sections.point[sections.offset[section]]], resample_um);
+  for (std::uint32_t n = sections.offset[section] + 1; n < sections.offset[section + 1]; n++)
+    line.add(bodies.position[sections.point[n]]);
+  return line.straightness();
+}
+
 Shape measure_shape(const Bodies &bodies, const Sections &sections, Workers &workers) {
   Shape shape;
   shape.length.resize(sections.count());
-  shape.straightness.assign(sections.count(), -1);
+  shape.straightness.resize(sections.count());
   workers.loop(sections.count(), 64, [&](std::size_t s, unsigned) {
     shape.length[s] = length_of(bodies, sections, s);
-    if (shape.length[s] < shortest_judged_um) return;
-    ResampledPath line(bodies.position[sections.point[sections.offset[s]]], resample_um);
-    for (std::uint32_t n = sections.offset[s] + 1; n < sections.offset[s + 1]; n++)
-      line.add(bodies.position[sections.point[n]]);
-    shape.straightness[s] = line.straightness();
+    shape.straightness[s] = straightness_of(bodies, sections, s);
   });
   for (std::size_t i = 0; i < bodies.points; i++)
     if (bodies.parent[i] >= 0 && children_of(bodies, i) == 2) shape.angle.push_back(angle_at(bodies, i));

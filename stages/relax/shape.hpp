@@ -36,6 +36,9 @@ struct Shape {
   std::vector<double> angle; // rad, of each fork of two, between the first segments of its daughters
 };
 
+// End to end over path, resampled every 1 um; -1 for a section that is not judged.
+double straightness_of(const Bodies &bodies, const Sections &sections, std::size_t section);
+
 Shape measure_shape(const Bodies &bodies, const Sections &sections, Workers &workers);
 
 struct ShapeChange {

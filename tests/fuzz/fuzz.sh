@@ -1,16 +1,18 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # Builds the fuzz targets with libFuzzer, ASan and UBSan, runs the inputs that once broke them, searches for new ones, and prints
-# executions and line coverage of the parsing files.  fuzz.sh SOURCE FOLDER SECONDS SCHEMA.c HDF5-INCLUDE HDF5-LIBRARY YAML-LIBRARY
+# executions and line coverage of the parsing files.  fuzz.sh SOURCE FOLDER SECONDS SCHEMA.c HDF5-INCLUDE HDF5-LIBRARY YAML-LIBRARY [GLM-INCLUDE [JSON-INCLUDE JSON-LIBRARY]]
+# Without GLM the readers of import are left out.
 # A crash inside HDF5 itself, below our calls, is counted and kept apart: its 1.10 does not survive every damaged file, which the
 # programs turn into an error (apps/contain.h). Any other finding fails the test and stays in FOLDER/found.
-source=$1 folder=$2 seconds=$3 schema=$4 hdf5_include=$5 hdf5=$6 yaml=$7
+source=$1 folder=$2 seconds=$3 schema=$4 hdf5_include=$5 hdf5=$6 yaml=$7 glm=${8-} json_include=${9-} json=${10-}
 for tool in clang-14 llvm-profdata-14 llvm-cov-14; do
   command -v $tool > /dev/null || { echo "SKIPPED: no $tool: nothing is fuzzed"; exit 77; }
 done
 cc=clang-14
 command -v ccache > /dev/null && cc="ccache clang-14"
-targets="document swc recipe plugin_table"
+targets="document swc recipe plugin_table" importing=""
+[ -z "$glm" ] || targets="$targets import"
 parsing="doc model_open digest h5_read h5_type stream texts tree validate validate_form validate_links validate_values array swc swc_file swc_floating swc_parse swc_number swc_link swc_ids swc_tree swc_soma swc_plus yaml grammar recipe node params plugin"
 failed=0
 mkdir -p "$folder/objects" "$folder/found" || exit 1
@@ -26,9 +28,21 @@ for file in "$source"/libconceg/src/*.c "$schema"; do
 done | xargs -P 2 -I{} sh -c "$cc $flags -c {} -o objects/\$(basename {}).o" || exit 1
 rm -f libconceg.a && ar rcs libconceg.a objects/*.o || exit 1
 link() { clang-14 $flags -I"$source/libconceg/src" "$@" $libraries || exit 1; }
-for target in $targets; do
+for target in document swc recipe plugin_table; do
   link -fsanitize=fuzzer "$source/tests/fuzz/fuzz_$target.c" libconceg.a -o "fuzz_$target"
 done
+if [ -n "$glm" ]; then
+  importing="scene text_file cactus caterpillar fastpli h5_bundles nfg ply network signal_files signal_document"
+  if [ -n "$json" ]; then importing="$importing wmg"; else importing="$importing wmg_absent"; fi
+  cxx=$(echo "$cc" | sed 's/clang-14/clang++-14/')
+  cxxflags="$(echo "$flags" | sed 's/-std=gnu11/-std=c++17/') -I$source/stages/import -I$source/stages/common ${json_include:+-isystem $json_include}"
+  [ "$glm" = /usr/include ] || cxxflags="$cxxflags -isystem $glm"
+  for name in $importing; do echo "$source/stages/import/$name.cpp"; done |
+    xargs -P 2 -I{} sh -c "$cxx $cxxflags -c {} -o objects/import-\$(basename {}).o" || exit 1
+  for plant in "" -DCONCEG_FUZZ_PLANT; do
+    clang++-14 $cxxflags $plant -fsanitize=fuzzer "$source/tests/fuzz/fuzz_import.cpp" objects/import-*.o libconceg.a $libraries $json -o "fuzz_import${plant:+_planted}" || exit 1
+  done
+fi
 link -DCONCEG_FUZZ_PLANT -fsanitize=fuzzer "$source/tests/fuzz/fuzz_recipe.c" libconceg.a -o planted
 link "$source/tests/fuzz/make_seeds.c" libconceg.a -o make_seeds
 export LLVM_PROFILE_FILE=/dev/null ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1
@@ -40,6 +54,7 @@ find "$source/spec/conformance" -name '*.cgx' -size -40k -exec cp {} seeds/docum
 cp "$source"/tests/swc/fixtures/*.swc seeds/swc/
 cp "$source"/apps/recipes/*.yaml "$source"/tests/pipe/small.yaml seeds/recipe/
 head -c 200 "$source/README.md" > seeds/plugin_table/text
+[ -z "$glm" ] || sh "$source/tests/fuzz/import_seeds.sh" seeds/import || exit 1
 
 # ---- What once broke a target, and a bug that is there on purpose ----
 old=0
@@ -51,13 +66,17 @@ for target in $targets; do
   done
 done
 echo "$old inputs that once broke a target: run"
-mkdir -p planted-corpus
-if ./planted -seed=1 -max_total_time=60 -max_len=400 -artifact_prefix=planted- planted-corpus seeds/recipe > planted.log 2>&1; then
-  echo "FAILED: the bug that was planted was not found"
-  failed=1
-else
-  grep -q 'tests/fuzz/fuzz.h' planted.log && echo "the planted bug was found after $(sed -n 's/^#\([0-9]*\).*/\1/p' planted.log | tail -1) executions" || { echo "FAILED: something else was found than the planted bug"; failed=1; }
-fi
+find_planted() { # find_planted PROGRAM SEEDS
+  mkdir -p "planted-$1"
+  if "./$1" -seed=1 -max_total_time=60 -max_len=400 -artifact_prefix=planted- "planted-$1" "$2" > planted.log 2>&1; then
+    echo "FAILED: the bug that was planted in $1 was not found"
+    failed=1
+  else
+    grep -q 'tests/fuzz/fuzz.h' planted.log && echo "the bug planted in $1 was found after $(sed -n 's/^#\([0-9]*\).*/\1/p' planted.log | tail -1) executions" || { echo "FAILED: something else was found than the bug planted in $1"; failed=1; }
+  fi
+}
+find_planted planted seeds/recipe
+[ -z "$glm" ] || find_planted fuzz_import_planted seeds/import
 
 # ---- Search ----
 search() { # search TARGET: executions to TARGET.executions, findings to found/
@@ -71,6 +90,7 @@ search() { # search TARGET: executions to TARGET.executions, findings to found/
 }
 search document & search swc & wait
 search recipe & search plugin_table & wait
+[ -z "$glm" ] || search import
 
 # ---- Findings ----
 inside=0
@@ -79,7 +99,7 @@ for input in found/*; do
   target=$(basename "$input" | sed 's/-\(crash\|oom\|timeout\|leak\|slow\).*//')
   "./fuzz_$target" -detect_leaks=0 -timeout=20 "$input" > log 2>&1 && continue
   # The frame that failed: the first that is of HDF5 or of ours.
-  frame=$(grep -E '^ *#[0-9]+ ' log | grep -E -m 1 'libhdf5|libconceg/src|tests/fuzz')
+  frame=$(grep -E '^ *#[0-9]+ ' log | grep -E -m 1 'libhdf5|libconceg/src|stages/|tests/fuzz')
   case $frame in
     *libhdf5*) inside=$((inside + 1)) ;;
     *) echo "FAILED: $target: $folder/$input breaks it (keep it in tests/fuzz/regressions/$target):"; grep -E -A 12 'ERROR|not so' log | head -30; failed=1 ;;
@@ -99,7 +119,7 @@ for target in $targets; do
 done
 llvm-profdata-14 merge -sparse ./*.profraw -o all.profdata 2> /dev/null && {
   llvm-cov-14 report $objects -instr-profile=all.profdata 2> /dev/null |
-    awk -v list=" $parsing " '/libconceg\/src\/.*\.c / { name = $1; sub(".*/", "", name); short = name; sub("[.]c$", "", short)
+    awk -v list=" $parsing $importing " '/(libconceg\/src\/.*\.c|stages\/import\/.*\.cpp) / { name = $1; sub(".*/", "", name); short = name; sub("[.]c(pp)?$", "", short)
         if (index(list, " " short " ")) { printf "%-20s %5d of %5d lines covered, %d %%\n", name, $8 - $9, $8, 100 * ($8 - $9) / $8; all += $8; hit += $8 - $9 } }
       END { printf "parsing files: %d of %d lines covered, %d %%\n", hit, all, all ? 100 * hit / all : 0 }'
 }

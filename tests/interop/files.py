@@ -175,6 +175,16 @@ def frames_and_rounds(work):
         expect(len(json.loads((work / f"roots_{roots}/cactus/manifest.json").read_text())["cells"]) == count, f"--roots={roots}: {count} cells")
 
 
+    must("import", "swc", work / "two.swc", "--box-um", "30", "-o", work / "r.cgx", "-q")
+    expect("30" in must("dump", "/domain@hi", work / "r.cgx").stdout and run("validate", work / "r.cgx", "-q").returncode == 0, "a given box of SWC")
+    (work / "far.swc").write_text("1 2 90 90 90 1 -1\n2 2 95 90 90 1 1\n")
+    refused = run("import", "swc", work / "far.swc", "--box-um", "30", "-o", work / "no.cgx")
+    expect(refused.returncode == 3 and "far.swc" in refused.stderr, f"SWC outside of the given box: {refused.stderr}")
+    must("export", work / "r.cgx", "--to", "swc", "--dir", work / "plus", "-q")
+    refused = run("import", "swc", work / "plus/swc", "--box-um", "30", "-o", work / "no.cgx")
+    expect(refused.returncode == 2 and "carry the box" in refused.stderr, f"a box for files that have one: {refused.stderr}")
+
+
 def bundle(work):
     """Three strands, two of which overlap, become three closed and disjoint surfaces, checked by the mesh stage with exact predicates."""
     (work / "bundle.txt").write_text("12\n3\n4\n-6 -2 0 0.8 \n-2 -1.5 0 0.8 \n2 -1 -0.2 0.8 \n6 -1 0 0.8 \n5\n-6.0 -0.5 0.0 1.0\n-3.0 -0.2 -0.1 1.0\n0.0 0.2 0.0 1.0\n3.0 0.5 0.5 1.0\n6.0 0.3 1.0 1.0\n"

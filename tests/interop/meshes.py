@@ -1,16 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """The meshes before others: trimesh, meshio and PyVista find each cell closed, wound alike and of our volume; DiSimPy's loader
-takes the box; a strict reading of MC/DC's rules finds nothing, and finds each defect planted in a copy.  meshes.py BIN"""
+takes the box; MC/DC's rules (linters.py) and the least triangle it can use hold, and defects planted in a copy are seen.  meshes.py BIN"""
 import os
 import pathlib
-import re
-import shutil
 import subprocess
 import sys
 import tempfile
 
 import h5py
+import linters
 import meshio
 import numpy as np
 import pyvista
@@ -88,87 +87,6 @@ def disimpy_loads(work, box):
     return len(faces)
 
 
-# ---- MC/DC: what its reader takes, written down ----
-
-header_words = {"vertex", "face", "nx", "end_header", "element"}
-one_value = {"N", "T", "duration", "diffusivity", "exp_prefix", "scheme_file", "scale_from_stu", "write_txt", "write_bin", "write_traj_file", "ini_walkers_file", "num_process", "seed"}
-
-
-def lint_ply(path):
-    """Text PLY: header tokens, x y z alone, rows of `3 i j k`, nothing after; triangles that its collision test can use."""
-    data = path.read_bytes()
-    if not data.isascii():
-        return "not ASCII"
-    head, end, body = data.decode().partition("end_header\n")
-    lines = head.splitlines()
-    if not end or lines[:2] != ["ply", "format ascii 1.0"]:
-        return "not a text PLY"
-    if any(header_words & set(line.split()[1:]) for line in lines if line.startswith("comment")):
-        return "a comment holds a word that the reader acts on"
-    wanted = r"element vertex (\d+)\nproperty (?:float|double) x\nproperty (?:float|double) y\nproperty (?:float|double) z\nelement face (\d+)\nproperty list uchar u?int vertex_ind(?:ex|ices)$"
-    match = re.fullmatch(wanted, "\n".join(line for line in lines[2:] if not line.startswith("comment")))
-    if not match:
-        return "elements or properties other than x y z and triangles"
-    points, count = int(match[1]), int(match[2])
-    tokens = body.split()
-    if len(tokens) != 3 * points + 4 * count:
-        return f"{len(tokens)} numbers, expected {3 * points + 4 * count}"
-    try:
-        vertex = np.array(tokens[: 3 * points], float).reshape(-1, 3)
-        rows = np.array(tokens[3 * points :], np.int64).reshape(-1, 4)
-    except ValueError:
-        return "not a number"
-    if not np.isfinite(vertex).all() or (rows[:, 0] != 3).any() or (rows[:, 1:] < 0).any() or (rows[:, 1:] >= points).any():
-        return "a face that is no triangle of its points"
-    a, b, c = (vertex[rows[:, k]] for k in (1, 2, 3))
-    edges = np.stack([np.linalg.norm(b - a, axis=1), np.linalg.norm(c - b, axis=1), np.linalg.norm(a - c, axis=1)])
-    if count and (edges.min() < 1e-4 or np.linalg.norm(np.cross(b - a, c - a), axis=1).min() < 1e-8):  # 0.1 nm; 1e-14 mm2
-        return "a triangle that its collision test cannot use"
-    return None
-
-
-def lint_conf(path):
-    """Keys spelt exactly (its own reader guesses), tags closed, one scale per PLY, a voxel, walkers strictly inside, <END> last."""
-    lines = path.read_text().splitlines()
-    if not lines or lines[-1] != "<END>":
-        return "does not end with <END>"
-    values, plies, inside, voxel = {}, [], None, []
-    for line in lines[:-1]:
-        words = line.split()
-        if inside is None and re.fullmatch(r"<(obstacle|voxels)>", line):
-            inside, expected = line[1:-1], ["ply", "ply_scale"]
-        elif inside is not None and line == f"</{inside}>":
-            if inside == "obstacle" and expected:
-                return f"an obstacle without {expected[0]}"
-            inside = None
-        elif inside == "obstacle":
-            if not expected or words[0] != expected.pop(0) or len(words) != 2:
-                return f"in an obstacle: {line}"
-            if words[0] == "ply":
-                plies.append(words[1])
-            elif float(words[1]) != 0.001:
-                return "um need ply_scale 0.001"
-        elif inside == "voxels":
-            voxel.append([float(w) for w in words])
-        elif len(words) != 2 or words[0] not in one_value or words[0] in values:
-            return f"unknown or repeated key: {line}"
-        else:
-            values[words[0]] = words[1]
-    if inside or set(values) != one_value or not plies:
-        return "an open tag, or a key that is missing"
-    if len(voxel) != 2 or not (np.array(voxel[0]) < voxel[1]).all():
-        return "no voxel"
-    start = np.loadtxt(path.parent / values["ini_walkers_file"], ndmin=2)
-    if start.shape[1] != 3 or not ((start > voxel[0]) & (start < voxel[1])).all():
-        return "walkers on or outside of the voxel"
-    scheme = (path.parent / values["scheme_file"]).read_text().splitlines()
-    if scheme[0] != "VERSION: STEJSKALTANNER" or any(len(row.split()) != 7 for row in scheme[1:]):
-        return "not a scheme of 7 columns"
-    if abs(float(values["T"]) * 1e-6 - float(values["duration"])) > 1e-9:
-        return "steps of another length than 1 us"
-    return next((f"{ply}: {flaw}" for ply in plies for flaw in [lint_ply(path.parent / ply)] if flaw), None)
-
-
 def swap(text, old, new, count=1):
     assert old in text, old
     return text.replace(old, new, count)
@@ -190,41 +108,26 @@ plants_ply = {
     "trailing": lambda t: t + "7\n",
     "word": lambda t: drop_last(t) + "3 0 1 x\n",
 }
-plants_conf = {
-    "no end": lambda t: swap(t, "<END>", ""),
-    "open tag": lambda t: swap(t, "</obstacle>\n", ""),
-    "no scale": lambda t: swap(t, "ply_scale 0.001\n", ""),
-    "scale": lambda t: swap(t, "ply_scale 0.001", "ply_scale 0.01"),
-    "misspelt": lambda t: swap(t, "ini_walkers_file", "ini_walker_file"),
-    "twice": lambda t: swap(t, "seed ", "seed 1\nseed "),
-    "voxel": lambda t: swap(t, "<voxels>\n0.0 0.0 0.0", "<voxels>\n0.005 0.005 0.005"),
-    "steps": lambda t: re.sub(r"\nT (\d+)", r"\nT 1\1", t, count=1),
-    "file": lambda t: swap(t, "ply_scale 0.001\n</obstacle>", "ply_scale 0.001\n</obstacle>\n<obstacle>\nply bad.ply\nply_scale 0.001\n</obstacle>"),
-}
-
-
-def conf_names(path):
-    return {line.split()[1] for line in path.read_text().splitlines() if line.startswith("ply ")}
-
 
 def mcdc_rules(work):
-    folder, copy = work / "mcdc", work / "planted"
-    for conf in ("intra.conf", "extra.conf"):
-        flaw = lint_conf(folder / conf)
-        expect(flaw is None, f"MC/DC: {conf}: {flaw}")
-    flaw = lint_ply(folder / "all_cells.ply")
-    expect(flaw is None, f"MC/DC: all_cells.ply: {flaw}")
-    shutil.copytree(folder, copy)
-    cell = next(path for path in copy.glob("*.ply") if path.name in conf_names(copy / "intra.conf"))
-    text, conf = cell.read_text(), (copy / "intra.conf").read_text()
-    (copy / "bad.ply").write_text(drop_last(text))
-    for name, change in plants_conf.items():
-        (copy / "intra.conf").write_text(change(conf))
-        expect(lint_conf(copy / "intra.conf") is not None, f"MC/DC: a configuration with a defect passes: {name}")
+    """What linters.py asks of its files, that its collision test can use the triangles, and that defects are seen."""
+    linters.mcdc(work / "mcdc")
+    files = sorted((work / "mcdc").glob("*.ply"))
+    for path in files:
+        vertex, face = linters.text_ply(path)
+        a, b, c = (vertex[face[:, k]] for k in range(3))
+        shortest = min(np.linalg.norm(b - a, axis=1).min(), np.linalg.norm(c - b, axis=1).min(), np.linalg.norm(a - c, axis=1).min())
+        least = np.linalg.norm(np.cross(b - a, c - a), axis=1).min()
+        expect(shortest > 1e-4 and least > 1e-8, f"MC/DC: {path.name}: edges of {shortest} um, determinants of {least} um2")  # 0.1 nm, 1e-14 mm2
+    text, copy = files[-1].read_text(), work / "planted.ply"
     for name, change in plants_ply.items():
-        cell.write_text(change(text))
-        expect(lint_ply(cell) is not None, f"MC/DC: a PLY with a defect passes: {name}")
-    return len(list(folder.glob("*.ply")))
+        copy.write_text(change(text))
+        try:
+            linters.text_ply(copy)
+            expect(False, f"MC/DC: a PLY with a defect passes: {name}")
+        except (linters.Refused, ValueError):
+            expect(True, name)
+    return len(files)
 
 
 def main(work):
