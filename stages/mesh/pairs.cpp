@@ -221,7 +221,8 @@ private:
 
   // Layers [first, end) whose leaves fit into the memory.
   int end_of_slab(int first) const {
-    const std::size_t most = options_.memory / (sizeof(Item) + 8 * sizeof(Item *));
+    // Lists double as they grow, and for a moment stand beside their old selves.
+    const std::size_t most = options_.memory / (3 * sizeof(Item) + 8 * sizeof(Item *));
     std::size_t sum = layer_[static_cast<std::size_t>(first)];
     int end = first + 1;
     while (end < places_.z && sum + layer_[static_cast<std::size_t>(end)] <= most)
