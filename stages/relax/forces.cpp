@@ -58,6 +58,16 @@ double sum(const Lanes &x) {
          (static_cast<double>(x[2]) + static_cast<double>(x[3]));
 }
 
+// What is pinned does not yield to what presses from the other side: it pushes that much harder.
+constexpr float wall = 3;
+// The least share of a push that a body takes, however large it is: what lies between two large bodies must
+// be able to part them.
+constexpr float least_share = 0.15f;
+
+Lanes bounded(const Lanes &share) {
+  return least(all(1 - least_share), most(all(least_share), share));
+}
+
 // Adds up what the neighbours of one element do to it.
 struct Owner {
   Four body;
@@ -83,8 +93,8 @@ struct Owner {
     // is pinned.
     const Lanes volume = at.radius_first * at.radius_first * at.radius_first,
                 other = at.radius_second * at.radius_second * at.radius_second;
-    const Lanes share = second ? choose(f.pinned > all(0), all(1), volume / (volume + other))
-                               : choose(g.pinned > all(0), all(1), other / (volume + other));
+    const Lanes share = second ? choose(f.pinned > all(0), all(wall), bounded(volume / (volume + other)))
+                               : choose(g.pinned > all(0), all(wall), bounded(other / (volume + other)));
     const Lanes along = second ? at.t : at.s, size = (second ? -push : push) * share;
     const Vec force = size * direction_of(f, g, at);
     on_a = on_a + (all(1) - along) * force;

@@ -11,7 +11,7 @@ namespace conceg::relax {
 struct Rounds {
   int count = 0;          // 0 = the bodies are only cut
   double widening = 0.12; // um, of every radius at the beginning of the first round, falling to 0.3 of it
-  double most = 1.15;     // of the target radius: no body swells beyond
+  double most = 1;        // of the target radius: no body swells beyond
 };
 
 // Moves `bodies` and returns their radii: every pair keeps strength.gap, or has nothing left to give (as in

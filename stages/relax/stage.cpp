@@ -78,6 +78,7 @@ Rounds rounds_of(const conceg_params *params) {
   Rounds rounds;
   rounds.count = static_cast<int>(conceg_params_i64(params, "rounds"));
   rounds.widening = conceg_params_f64(params, "widening_um");
+  rounds.most = conceg_params_f64(params, "swelling");
   return rounds;
 }
 
@@ -302,6 +303,9 @@ const conceg_param parameters[] = {
      "0", nullptr, CONCEG_PARAM_I64, 0, 0, 1000},
     {"widening_um", "um", "of every radius at the beginning of the first round, falling to 0.3 of it", "0.12",
      nullptr, CONCEG_PARAM_F64, 0, 0, 1},
+    {"swelling", "1",
+     "how far a radius may pass its target in the rounds where there is room, times the target", "1", nullptr,
+     CONCEG_PARAM_F64, 0, 1, 1.25},
     {"icvf", "1", "volume fraction to fill behind the mesh's contact planes by widening all radii; 0 = off",
      "0", nullptr, CONCEG_PARAM_F64, 0, 0, 0.95},
     {"contact_overlap_um", "um",

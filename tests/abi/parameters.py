@@ -134,6 +134,7 @@ needs = {
     "export.walkers": ["--to", "mcdc"],
     **{f"export.{name}": ["--to", "mcdc", "--walkers", "10"] for name in ("diffusivity_um2_per_ms", "b_values_ms_per_um2", "directions", "pulse_ms", "separation_ms")},
     "relax.widening_um": ["--rounds", "2"],
+    "relax.swelling": ["--rounds", "2"],
     "grow.smoothing": ["--straightness", "free"],
     "triangulate.grade_levels": ["--nodes", "graded"],
     "triangulate.grade_distance_um": ["--nodes", "graded"],
