@@ -119,15 +119,4 @@ double write_measures(conceg_doc *doc, const conceg_box &box, const Scene &scene
   return total;
 }
 
-void write_volumes(conceg_doc *doc, const Volume &volume) {
-  put(doc, "/volumes@origin", &volume.origin.x, 3);
-  put(doc, "/volumes@spacing", &volume.spacing.x, 3);
-  const std::uint64_t shape[3] = {std::uint64_t(volume.shape.x), std::uint64_t(volume.shape.y),
-                                  std::uint64_t(volume.shape.z)};
-  put(doc, "/volumes@shape", shape, 3);
-  put3(doc, "/volumes/leaf_origin", volume.leaf_origin);
-  put(doc, "/volumes/label", volume.label, kLeafVoxels);
-  put(doc, "/volumes/distance", volume.distance, kLeafVoxels);
-}
-
 } // namespace conceg::mesh

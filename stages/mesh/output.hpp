@@ -4,7 +4,6 @@
 
 #include "final_check.hpp"
 #include "finish.hpp"
-#include "volume.hpp"
 
 #include "conceg/doc.h"
 
@@ -17,7 +16,5 @@ void write_surfaces(conceg_doc *doc, const Scene &scene, const Index &index, con
 // What was measured on the surfaces and found by the final check. Returns their volume, um3.
 double write_measures(conceg_doc *doc, const conceg_box &box, const Scene &scene, const FinalCheck &check,
                       const std::vector<Pieces> &pieces, double gap, Workers &workers);
-
-void write_volumes(conceg_doc *doc, const Volume &volume);
 
 } // namespace conceg::mesh

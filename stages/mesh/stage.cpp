@@ -6,9 +6,10 @@
 #include "finish.hpp"
 #include "output.hpp"
 #include "pinch.hpp"
+#include "smooth.hpp"
 #include "space.hpp"
 #include "view.hpp"
-#include "volume.hpp"
+#include "volume_output.hpp"
 #include "wrap.hpp"
 
 #include <cmath>
@@ -38,6 +39,9 @@ const conceg_param parameters[] = {
     {"tolerance_um", "um",
      "how far simplification may move a surface where no other is near; 0 = no simplification", "0.05",
      nullptr, CONCEG_PARAM_F64, 0, 0, 10},
+    {"smooth", "",
+     "one smooth surface of a single cell by OpenVDB instead of the grid's tetrahedra; not simplified",
+     "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"volumes", "", "write label and distance volumes", "true", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"volume_step_um", "um", "largest voxel of the volumes; 0 = twice h_um", "0", nullptr, CONCEG_PARAM_F64,
      0, 0, 100},
@@ -260,6 +264,21 @@ FinalCheck judge(conceg_doc *doc, const std::vector<std::uint8_t> &there, const 
        lines[0].c_str(), check.broken.size() + check.result.defects.size() + missing.size());
 }
 
+// A smooth cell in the place of what `finish` makes.
+Finished finished_smooth(const Tissue &tissue, const SceneOptions &scene_options,
+                         const FinishOptions &options, const glm::dvec3 &origin, Workers &workers,
+                         const Progress &progress) {
+  SmoothCell smooth = smooth_cell(tissue, scene_options, origin, workers, progress);
+  Finished done;
+  done.file = std::make_unique<SurfaceFile>(options.folder, 1);
+  done.file->add(smooth.surface, nullptr);
+  done.surfaces = done.file->views();
+  done.pieces.push_back(smooth.pieces);
+  done.repaired_pairs = smooth.repaired, done.rounds = smooth.rounds,
+  done.base_faces = smooth.surface.face.size();
+  return done;
+}
+
 void make_meshes(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, const Tissue &tissue,
                  const SceneOptions &scene_options, Workers &workers, const Progress &progress,
                  Phases &phases) {
@@ -282,8 +301,10 @@ void make_meshes(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, 
   options.check_memory = std::min<std::size_t>(1u << 30, conceg_ctx_memory(ctx) / 4);
   options.folder = conceg_ctx_tmpdir(ctx), options.side_file = side_file;
   if (!side_file.empty()) options.key = key_of(ctx, doc, params);
-  const Finished done =
-      finish(scene, index, {origin, tissue.soma, tissue.soma_radius}, tissue.box, options, workers, progress);
+  const Finished done = conceg_params_bool(params, "smooth")
+                            ? finished_smooth(tissue, scene_options, options, origin[0], workers, progress)
+                            : finish(scene, index, {origin, tissue.soma, tissue.soma_radius}, tissue.box,
+                                     options, workers, progress);
   workers.count(ctx, "mesh.surfaces");
   phases.end("surfaces");
   if (done.taken_over)
@@ -312,30 +333,24 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   Workers workers(conceg_ctx_threads(ctx));
   const Progress progress = progress_of(ctx);
   Phases phases;
+  if (conceg_params_bool(params, "smooth") && tissue.cells() != 1)
+    fail(CONCEG_E_RANGE, "smooth: expected a single cell, got %zu; leave smooth out", tissue.cells());
+  const VolumeOutput volume(ctx, params, tissue, options, workers);
+  phases.end("volume laid out");
   make_meshes(ctx, doc, params, tissue, options, workers, progress, phases);
 
   must(conceg_doc_drop(doc, "/volumes"));
-  const char *vdb = conceg_params_text(params, "vdb");
-  const bool wanted = conceg_params_bool(params, "volumes") != 0;
-  if (!wanted && !*vdb) {
-    tell_phases(ctx, "mesh", phases, workers.busy_s(), workers.threads());
-    return;
-  }
-  const double step = conceg_params_f64(params, "volume_step_um");
-  options.h = step > 0 ? step : 2 * options.h;
-  const Volume volume = make_volume(tissue, options, workers, progress);
-  workers.count(ctx, "mesh.volume");
-  if (wanted) write_volumes(doc, volume);
-  if (*vdb) write_vdb(leaves(volume), vdb);
+  volume.write(ctx, doc, workers);
   phases.end("volume");
   tell_phases(ctx, "mesh", phases, workers.busy_s(), workers.threads());
 }
 
 conceg_status check(conceg_ctx *ctx, conceg_doc *, const conceg_params *params) {
   return guard(ctx, "mesh", [&] {
-    if (*conceg_params_text(params, "vdb") && !vdb_available())
-      fail(CONCEG_E_UNSUPPORTED,
-           "vdb: this build has no OpenVDB; install libopenvdb-dev and build again, or leave --vdb out");
+    if (vdb_available()) return;
+    if (*conceg_params_text(params, "vdb") || conceg_params_bool(params, "smooth"))
+      fail(CONCEG_E_UNSUPPORTED, "vdb, smooth: this build has no OpenVDB; install libopenvdb-dev and build "
+                                 "again, or leave both out");
   });
 }
 

@@ -6,6 +6,7 @@
 #include "conceg/rng.h"
 #include "extract.hpp"
 #include "finish.hpp"
+#include "volume.hpp"
 
 #include <glm/geometric.hpp>
 
@@ -121,6 +122,21 @@ inline Meshed mesh_of(const Tissue &tissue, SceneOptions options, unsigned threa
     if (!keep_all) keep_soma_piece(out.surfaces[cell], glm::dvec3(0), tissue.soma_radius[cell] > 0);
   }
   return out;
+}
+
+struct Volume {
+  VolumeLayout layout;
+  std::vector<std::uint32_t> label;
+  std::vector<float> distance;
+};
+
+inline Volume volume_of_tissue(const Tissue &tissue, const SceneOptions &options, unsigned threads = 1) {
+  conceg::Workers workers(threads);
+  Volume volume;
+  volume.layout = lay_out_volume(tissue, options, workers, {});
+  volume.label.resize(volume.layout.values()), volume.distance.resize(volume.layout.values());
+  fill_volume(volume.layout, volume.label.data(), volume.distance.data(), workers, {});
+  return volume;
 }
 
 // A finished tissue with its surfaces in memory, and what the check says of all of them.

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Simplified meshes: light, near the base mesh, sound and apart; the repair works; faces, volumes and memory.
+// Simplified meshes: light, near the base mesh, sound and apart; the repair works; faces and memory.
 #include "check.h"
 #include "distance.hpp"
 #include "faces.hpp"
 #include "finish.hpp"
 #include "scenes.hpp"
 #include "simplify.hpp"
-#include "volume.hpp"
 
 #include <cstring>
 #include <sys/resource.h>
@@ -166,45 +165,6 @@ void faces_know_where_they_belong() {
   }
 }
 
-void volumes_agree_with_meshes() {
-  const Tissue tissue = forest(20, 2, 600, 3);
-  SceneOptions options;
-  options.h = 0.25;
-  conceg::Workers workers(2), one(1);
-  const Volume volume = make_volume(tissue, options, workers, {});
-  CHECK_EQUAL(volume.shape.x, 80);
-  CHECK_NEAR(volume.origin.x, 0.125, 1e-12);
-  CHECK_EQUAL(volume.label.size(), volume.leaf_origin.size() * kLeafVoxels);
-  std::size_t inside = 0;
-  for (std::size_t i = 0; i < volume.label.size(); i++) {
-    inside += volume.label[i] != 0;
-    if (!((volume.label[i] != 0) == (volume.distance[i] < 0))) CHECK(false);
-  }
-  double meshes = 0;
-  for (const Surface &surface : mesh_of(tissue, options).surfaces)
-    meshes += volume_of(surface);
-  CHECK_NEAR(double(inside) / 512000, meshes / 8000, 0.002);
-  CHECK(make_volume(tissue, options, one, {}).distance == volume.distance);
-  if (conceg::vdb_available()) {
-    conceg::write_vdb(leaves(volume), "test_mesh_finish.vdb");
-    std::FILE *file = std::fopen("test_mesh_finish.vdb", "rb");
-    CHECK(file != nullptr);
-    unsigned char head[3] = {};
-    if (file) {
-      CHECK(std::fread(head, 1, 3, file) == 3 && !std::memcmp(head, " BD", 3));
-      std::fclose(file);
-    }
-    std::remove("test_mesh_finish.vdb");
-    bool refused = false;
-    try {
-      conceg::write_vdb(leaves(volume), "no/such/folder/x.vdb");
-    } catch (const conceg::Error &error) {
-      refused = error.status() == CONCEG_E_IO;
-    }
-    CHECK(refused);
-  }
-}
-
 void memory_stays_bounded() {
   rusage usage;
   getrusage(RUSAGE_SELF, &usage);
@@ -218,7 +178,6 @@ int main() {
   forest_is_light_and_sound();
   checking_again_is_checking();
   faces_know_where_they_belong();
-  volumes_agree_with_meshes();
   memory_stays_bounded();
   return check_done();
 }

@@ -105,9 +105,47 @@ void soma_alone_and_no_cells() {
   conceg_ctx_free(ctx);
 }
 
+// What the volumes take is known and refused before the meshes are made.
+void volumes_fit_the_memory() {
+  conceg_ctx *ctx = conceg_ctx_new();
+  conceg_ctx_set_memory(ctx, 4u << 20);
+  conceg_doc *doc = document_of(ctx, scenes::forest(20, 2, 300, 3));
+  CHECK_EQUAL(scenes::run_stage(ctx, doc, {"mesh.h_um=0.6", "mesh.volume_step_um=0.2"}), CONCEG_E_NOMEM);
+  CHECK(std::strstr(conceg_ctx_error(ctx), "volume_step_um: voxels of 0.200 um take") != nullptr);
+  CHECK(!conceg_doc_has(doc, "/meshes") && !conceg_doc_has(doc, "/volumes"));
+  must(conceg_doc_close(doc));
+  conceg_ctx_free(ctx);
+}
+
+void smooth_takes_a_single_cell() {
+  conceg_ctx *ctx = conceg_ctx_new();
+  conceg_doc *doc = document_of(ctx, scenes::forest(40, 2, 60, 3));
+  CHECK(scenes::run_stage(ctx, doc, {"mesh.smooth=true", "mesh.h_um=0.4"}) != CONCEG_OK);
+  CHECK(std::strstr(conceg_ctx_error(ctx),
+                    conceg::vdb_available() ? "expected a single cell, got 2" : "no OpenVDB") != nullptr);
+  must(conceg_doc_close(doc));
+  if (conceg::vdb_available()) {
+    doc = document_of(ctx, scenes::forest(60, 1, 100, 3));
+    CHECK_EQUAL(scenes::run_stage(ctx, doc, {"mesh.smooth=true", "mesh.h_um=0.25", "mesh.volumes=false"}),
+                CONCEG_OK);
+    CHECK_TEXT(conceg_ctx_error(ctx), "");
+    CHECK_EQUAL(view<std::uint8_t>(doc, "/meshes/closed")[0], 1);
+    CHECK_EQUAL(view<std::uint64_t>(doc, "/meshes@crossings")[0], 0);
+    CHECK(!conceg_doc_has(doc, "/volumes"));
+    std::size_t soma = 0;
+    for (const std::uint8_t code : view<std::uint8_t>(doc, "/meshes/compartment"))
+      soma += code == 1;
+    CHECK(soma > 1000 && soma < view<std::uint32_t>(doc, "/meshes/face", 3).rows());
+    must(conceg_doc_close(doc));
+  }
+  conceg_ctx_free(ctx);
+}
+
 } // namespace
 
 int main() {
+  volumes_fit_the_memory();
+  smooth_takes_a_single_cell();
   meshes_are_written(scenes::forest(20, 2, 500, 3));
   bad_input_is_refused(scenes::forest(20, 1, 50, 3));
   cancelling_stops();
