@@ -15,6 +15,7 @@ namespace conceg::exporting {
 struct Options {
   std::string to, dir, cells;
   bool wrapped, ascii;
+  Form form; // of surfaces
   int columns;           // of a CATERPillar table
   std::uint64_t walkers; // starting points, intracellular and as many extracellular
   double fraction_um;    // voxel of the fraction map
