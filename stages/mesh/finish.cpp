@@ -40,9 +40,10 @@ public:
       result_.surfaces = result_.file->views();
       check_again(result_.surfaces, changed(todo), box_, check, workers_, progress_, result_.check);
       result_.rounds = round_;
-      if (result_.check.defects.empty() || exact || round_ == options_.rounds) break;
+      const bool whole = round_ + 1 >= options_.rounds;
+      if (result_.check.defects.empty() || exact || (whole && !can_retreat())) break;
       result_.repaired_pairs += result_.check.defects.size();
-      todo = plan_repair(width, round_ + 1 == options_.rounds);
+      todo = plan_repair(width, whole);
     }
     result_.base_faces = std::accumulate(faces_.begin(), faces_.end(), std::uint64_t(0));
     return std::move(result_);
@@ -185,6 +186,15 @@ private:
 
   glm::ivec3 node_at(const glm::dvec3 &position) const {
     return glm::ivec3(glm::floor(scene_.grid.voxel_of(position) + 0.5));
+  }
+
+  // A cell that has become its base mesh may meet a light neighbour: as long as one of two is light, it can
+  // go back.
+  bool can_retreat() const {
+    const auto light = [&](std::uint32_t surface) { return !apart_[result_.surfaces[surface].cell].whole; };
+    for (const Defect &defect : result_.check.defects)
+      if (light(defect.surface) || (is_pair(defect.flaw) && light(defect.other_surface))) return true;
+    return false;
   }
 
   // Takes the places of the defects back to the base mesh and tells which cells the next round makes again.
