@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The share of the box inside somas and neurites, from the signed distance of spheres and round cones at
-// voxel centres.
+// The share of the box inside somas and neurites: from the signed distance of spheres and round cones at
+// voxel centres, or from the labels of /volumes.
 #pragma once
 
 #include "parallel.hpp"
@@ -17,5 +17,21 @@ struct FieldShares {
 // one by one.
 FieldShares field_shares(const Cells &cells, const Skeletons &skeletons, const conceg_box &box, double step,
                          Workers &workers, const Progress &progress);
+
+// /volumes as the document holds it: leaves of 8 x 8 x 8 voxels, x slowest; borrowed.
+struct LabelVolume {
+  glm::dvec3 origin, spacing; // um; centre of voxel (0, 0, 0)
+  std::uint64_t shape[3];     // voxels in the box
+  std::size_t leaves;
+  const std::int32_t *leaf_origin; // [leaves][3]
+  const std::uint32_t *label;      // [leaves][512]: cell + 1, 0 = outside
+};
+
+// Throws E_FORMAT with dataset[index] when the leaves or labels do not fit the box or the cells.
+void check(const LabelVolume &volume, const Cells &cells, const conceg_box &box);
+
+// The same shares from labels: a voxel counts as soma when it lies in the soma sphere of its own cell.
+FieldShares label_shares(const LabelVolume &volume, const Cells &cells, const conceg_box &box,
+                         Workers &workers);
 
 } // namespace conceg::analyse

@@ -170,6 +170,52 @@ double field_step(conceg_doc *doc, const conceg_params *params) {
   return grid > 0.02 && grid < 100 ? 0.5 * grid : 0.125;
 }
 
+LabelVolume read_volume(conceg_doc *doc, const Cells &cells, const conceg_box &box) {
+  const View<double> origin = view<double>(doc, "/volumes@origin", 3),
+                     spacing = view<double>(doc, "/volumes@spacing", 3);
+  const View<std::uint64_t> shape = view<std::uint64_t>(doc, "/volumes@shape", 3);
+  const View<std::int32_t> leaf = view<std::int32_t>(doc, "/volumes/leaf_origin", 3);
+  const View<std::uint32_t> label = view<std::uint32_t>(doc, "/volumes/label", 512);
+  if (label.rows() != leaf.rows())
+    fail(CONCEG_E_FORMAT, "/volumes/label: expected %zu leaves, got %zu", leaf.rows(), label.rows());
+  const LabelVolume volume = {{origin[0], origin[1], origin[2]},
+                              {spacing[0], spacing[1], spacing[2]},
+                              {shape[0], shape[1], shape[2]},
+                              leaf.rows(),
+                              leaf.data(),
+                              label.data()};
+  check(volume, cells, box);
+  return volume;
+}
+
+void measure_pores(conceg_doc *doc, const Cells &cells, const conceg_box &box, Workers &workers,
+                   Measures &measures) {
+  const LabelVolume volume = read_volume(doc, cells, box);
+  const View<float> distance = view<float>(doc, "/volumes/distance", 512);
+  if (distance.rows() != volume.leaves)
+    fail(CONCEG_E_FORMAT, "/volumes/distance: expected %zu leaves, got %zu", volume.leaves, distance.rows());
+  measures.pores = pore_sizes(volume, distance.data(), workers);
+}
+
+// From the labels of /volumes where their voxels are as small as those asked for, else from the skeletons.
+void measure_field(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, const Cells &cells,
+                   const conceg_box &box, Workers &workers, Measures &measures) {
+  measures.field_step = field_step(doc, params);
+  if (has(doc, "/volumes/label") && has(doc, "/volumes@spacing")) {
+    const View<double> spacing = view<double>(doc, "/volumes@spacing", 3);
+    const double largest = std::max({spacing[0], spacing[1], spacing[2]});
+    if (largest <= measures.field_step * (1 + 1e-9)) {
+      measures.field_step = largest;
+      measures.field = label_shares(read_volume(doc, cells, box), cells, box, workers);
+      conceg_ctx_log(ctx, CONCEG_LOG_INFO, "analyse: the field's volume fraction is that of /volumes/label");
+      return;
+    }
+  }
+  if (!has(doc, "/skeleton/position")) return;
+  measures.field =
+      field_shares(cells, read_skeletons(doc, cells), box, measures.field_step, workers, progress_of(ctx));
+}
+
 void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   const conceg_box box = read_box(doc);
   const Cells cells = read_cells(doc);
@@ -183,11 +229,14 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
     const Skeletons skeletons = read_skeletons(doc, cells);
     measures.cable = measure_cable(skeletons);
     measures.shape = measure_shape(cells, skeletons);
-    measures.field_step = field_step(doc, params);
-    measures.field = field_shares(cells, skeletons, box, measures.field_step, workers, progress_of(ctx));
   } else {
-    leave_out("/skeleton", "cable, morphometry and the field's volume fraction");
+    leave_out("/skeleton", "cable and morphometry");
   }
+  measure_field(ctx, doc, params, cells, box, workers, measures);
+  if (has(doc, "/volumes/label") && has(doc, "/volumes/distance") && has(doc, "/volumes@spacing"))
+    measure_pores(doc, cells, box, workers, measures);
+  if (!measures.field.voxels)
+    leave_out("/skeleton or /volumes as fine as field_step_um", "the field's volume fraction");
   if (has(doc, "/meshes/vertex"))
     measure_meshes(ctx, doc, params, cells, box, workers, measures);
   else

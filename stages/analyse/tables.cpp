@@ -165,6 +165,11 @@ Table summary_table(const Cells &cells, const Measures &m) {
     row("neurite_fraction", m.field.neurite, "1");
     row("ecs_fraction", 1 - m.field.soma - m.field.neurite, "1");
   }
+  if (m.pores.voxels) {
+    row("ecs_distance_mean", m.pores.mean, "um"), row("ecs_distance_median", m.pores.median, "um");
+    row("ecs_distance_95_percent", m.pores.p95, "um"), row("ecs_distance_beyond_band", m.pores.beyond, "1");
+    row("ecs_cleft_width", m.pores.cleft_width(), "um");
+  }
   if (!m.sizes.empty()) {
     row("volume", sums.volume, "um^3"), row("surface", sums.area, "um^2");
     row("surface_density", sums.area / m.box_volume, "um^-1");

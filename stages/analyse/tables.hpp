@@ -7,6 +7,7 @@
 #include "field.hpp"
 #include "morphometry.hpp"
 #include "points.hpp"
+#include "pores.hpp"
 #include "statistics_table.hpp"
 #include "volumes.hpp"
 
@@ -22,6 +23,7 @@ struct Measures {
   FieldShares field;            // voxels 0: not measured
   double field_step = 0;        // um
   PointShare points;            // points 0: not measured
+  Pores pores;                  // voxels 0: not measured
 };
 
 // Volume fraction by the meshes; 0 without meshes.

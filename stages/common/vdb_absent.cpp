@@ -15,4 +15,9 @@ void write_vdb(const LeafVolume &, const std::string &path) {
        path.c_str());
 }
 
+VdbSurface vdb_surface(const LeafVolume &, unsigned) {
+  fail(CONCEG_E_UNSUPPORTED,
+       "smooth: this build has no OpenVDB; install libopenvdb-dev and build again, or leave smooth out");
+}
+
 } // namespace conceg

@@ -27,7 +27,7 @@ struct CellFigures {
 CellFigures figures_of(const Job &job, const Cell &cell) {
   CellFigures figures;
   if (!job.source.has_meshes()) return figures;
-  const Surface surface = job.source.surface(cell.row, false).surface;
+  const Surface surface = job.source.surface(cell.row, Form::closed).surface;
   if (surface.face.empty()) return figures;
   const SurfaceFigures measured = measure_surface(surface);
   return {measured.volume, measured.area, true};

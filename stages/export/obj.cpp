@@ -26,7 +26,7 @@ static void write_joint(Job &job, const std::string &name,
   std::vector<NamedSurface> named;
   std::vector<std::string> names;
   for (const Cell &cell : job.cells) {
-    surfaces.push_back(job.source.surface(cell.row, job.options.wrapped).surface);
+    surfaces.push_back(job.source.surface(cell.row, job.options.form).surface);
     names.push_back(name_of(cell));
   }
   Written row;

@@ -52,7 +52,7 @@ SimulationBox simulation_box(const Job &job) {
     (box.periodic[axis] ? out.open : out.periodic) = false;
   if (out.periodic) return out;
   for (const Cell &cell : job.cells)
-    for (const glm::dvec3 &p : job.source.surface(cell.row, false).surface.vertex)
+    for (const glm::dvec3 &p : job.source.surface(cell.row, Form::closed).surface.vertex)
       for (int axis = 0; axis < 3; axis++) {
         if (box.periodic[axis]) continue;
         low[axis] = std::min(low[axis], std::floor(p[axis] - margin_um)),
@@ -63,9 +63,9 @@ SimulationBox simulation_box(const Job &job) {
 }
 
 Surface simulation_surface(const Job &job, const SimulationBox &box, const Cell &cell, SurfaceForm form) {
-  const Surface whole = job.source.surface(cell.row, false).surface;
+  const Surface whole = job.source.surface(cell.row, Form::closed).surface;
   const conceg_box &periods = job.source.box();
-  const Surface part = form == SurfaceForm::cut     ? cut_at_box(periods, whole)
+  const Surface part = form == SurfaceForm::cut     ? Surface(cut_at_box(periods, whole))
                        : form == SurfaceForm::tiled ? Surface(tile(periods, whole))
                                                     : whole;
   return placed(part, box.origin, 1.0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "source.hpp"
+#include "cut.hpp"
 
 #include "view.hpp"
 
@@ -84,7 +85,7 @@ Tree Source::tree(std::uint64_t cell) const {
   return tree;
 }
 
-CellSurface Source::surface(std::uint64_t cell, bool wrapped) const {
+CellSurface Source::surface(std::uint64_t cell, Form form) const {
   CellSurface out;
   const View<std::uint64_t> face_offset = view<std::uint64_t>(doc_, "/meshes/face_offset");
   const std::size_t rows = view<std::uint32_t>(doc_, "/meshes/face", 3).rows();
@@ -108,18 +109,25 @@ CellSurface Source::surface(std::uint64_t cell, bool wrapped) const {
       out.component.insert(out.component.end(), component.data() + from, component.data() + to);
     if (section.data()) out.section.insert(out.section.end(), section.data() + from, section.data() + to);
   }
-  if (!wrapped) return out;
-  TiledSurface tiled = tile(box_, out.surface);
+  if (form == Form::closed) return out;
+  CutSurface changed;
+  if (form == Form::images) {
+    TiledSurface tiled = tile(box_, out.surface);
+    changed.source_face = std::move(tiled.source_face);
+    static_cast<Surface &>(changed) = std::move(static_cast<Surface &>(tiled));
+  } else {
+    changed = form == Form::open ? cut_at_box(box_, out.surface) : capped_at_box(box_, out.surface);
+  }
   const auto pick = [&](auto &column) {
     if (column.empty()) return;
     auto picked = column;
     picked.clear();
-    for (const std::uint32_t face : tiled.source_face)
+    for (const std::uint32_t face : changed.source_face)
       picked.push_back(column[face]);
     column = std::move(picked);
   };
   pick(out.compartment), pick(out.component), pick(out.section);
-  out.surface = std::move(static_cast<Surface &>(tiled));
+  out.surface = std::move(static_cast<Surface &>(changed));
   return out;
 }
 

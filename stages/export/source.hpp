@@ -24,6 +24,10 @@ struct CellSurface {
   std::vector<std::uint32_t> component, section;
 };
 
+// Of a cell's closed surfaces: as they are; all whole triangle images that meet the box; all images cut at
+// the periodic sides, and left open or closed by lids.
+enum class Form { closed, images, open, capped };
+
 class Source {
 public:
   explicit Source(conceg_doc *doc);
@@ -35,8 +39,7 @@ public:
   bool has_volumes() const;
   std::vector<Cell> select(const std::string &cells) const;
   Tree tree(std::uint64_t cell) const;
-  // The cell's closed surfaces; with `wrapped` all their triangle images that meet the box.
-  CellSurface surface(std::uint64_t cell, bool wrapped) const;
+  CellSurface surface(std::uint64_t cell, Form form) const;
   // /volumes as a full grid; its size in bytes before that.
   double volume_bytes() const;
   Volume volume() const;

@@ -7,7 +7,7 @@ namespace conceg::exporting {
 
 void export_spindoctor(Job &job) {
   for (const Cell &cell : job.cells) {
-    const Surface surface = job.source.surface(cell.row, false).surface;
+    const Surface surface = job.source.surface(cell.row, Form::closed).surface;
     if (surface.face.empty()) continue;
     const std::string name = "spindoctor/" + name_of(cell);
     for (const char *ending : {".stl", ".node", ".poly"}) {

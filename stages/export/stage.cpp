@@ -24,6 +24,11 @@ const conceg_param parameters[] = {
      "vtk, ply, swc, stl, obj, gltf, h5v1: bring everything into the periodic box: skeletons are split at "
      "its sides, surfaces tiled",
      "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
+    {"form", "",
+     "vtk, ply, stl, obj, gltf: of surfaces; closed ones are tiled with wrapped, open and capped ones are "
+     "cut at the "
+     "periodic sides and left open or closed by lids in them",
+     "closed", "closed|open|capped", CONCEG_PARAM_CHOICE, 0, 0, 0},
     {"ascii", "", "ply: as text instead of binary", "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"columns", "", "caterpillar: of the table; the tenth is parent_component_id", "9", "9|10",
      CONCEG_PARAM_CHOICE, 0, 0, 0},
@@ -87,6 +92,11 @@ Options read_options(const conceg_params *params) {
   options.wrapped = conceg_params_bool(params, "wrapped") != 0,
   options.ascii = conceg_params_bool(params, "ascii") != 0;
   options.whole = conceg_params_bool(params, "whole") != 0;
+  const std::string form = conceg_params_text(params, "form");
+  options.form = form == "open"     ? Form::open
+                 : form == "capped" ? Form::capped
+                 : options.wrapped  ? Form::images
+                                    : Form::closed;
   options.columns = std::strcmp(conceg_params_text(params, "columns"), "10") ? 9 : 10;
   options.walkers = static_cast<std::uint64_t>(conceg_params_i64(params, "walkers"));
   options.diffusivity = conceg_params_f64(params, "diffusivity_um2_per_ms"),

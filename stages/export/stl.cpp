@@ -30,7 +30,7 @@ void write_stl(OutputFile &file, const Surface &surface) {
 
 void export_stl(Job &job) {
   for (const Cell &cell : job.cells) {
-    const Surface surface = job.source.surface(cell.row, job.options.wrapped).surface;
+    const Surface surface = job.source.surface(cell.row, job.options.form).surface;
     if (surface.face.empty()) continue;
     Written row = job.about(cell, "stl/" + name_of(cell) + ".stl", "surface");
     row.points = surface.vertex.size(), row.faces = surface.face.size();

@@ -29,7 +29,7 @@ void export_surfaces(Job &job) {
   for (std::size_t i = 0; i < job.cells.size(); i++) {
     const Cell &cell = job.cells[i];
     report(job.progress, "export: surfaces", i, job.cells.size());
-    const CellSurface mesh = job.source.surface(cell.row, job.options.wrapped);
+    const CellSurface mesh = job.source.surface(cell.row, job.options.form);
     if (mesh.surface.face.empty()) continue;
     const std::string name = name_of(cell);
     blocks.push_back({"surfaces/" + name + ".vtp", name});
@@ -81,12 +81,27 @@ void export_vtk(Job &job) {
   if (job.source.has_volumes() && job.options.cells == "all") export_volume(job);
 }
 
+// For the file's header; nothing when cells are as they stand.
+static const char *form_text(Form form) {
+  switch (form) {
+  case Form::images:
+    return "all triangle images that meet the periodic box";
+  case Form::open:
+    return "all images cut at the periodic sides, open there";
+  case Form::capped:
+    return "all images cut at the periodic sides, closed by lids there";
+  case Form::closed:
+    break;
+  }
+  return nullptr;
+}
+
 void export_ply(Job &job) {
-  const char *images = job.options.wrapped ? "all triangle images that meet the periodic box" : nullptr;
+  const char *const images = form_text(job.options.form);
   std::vector<Surface> surfaces;
   for (std::size_t i = 0; i < job.cells.size(); i++) {
     report(job.progress, "export: PLY", i, job.cells.size());
-    CellSurface mesh = job.source.surface(job.cells[i].row, job.options.wrapped);
+    CellSurface mesh = job.source.surface(job.cells[i].row, job.options.form);
     if (mesh.surface.face.empty()) continue;
     write_ply_file(job, "ply/" + name_of(job.cells[i]) + ".ply", {&mesh.surface}, &job.cells[i],
                    job.options.ascii, "lengths in um", images);

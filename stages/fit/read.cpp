@@ -5,6 +5,7 @@
 #include "words.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 
 namespace conceg::fit {
@@ -91,6 +92,16 @@ std::vector<Signal> read_signals(conceg_ctx *ctx, conceg_doc *doc, const std::st
   if (signal.rows() != names.size() || error.rows() != names.size())
     fail(CONCEG_E_FORMAT, "/signals: expected %zu rows of signal and standard_error, got %zu and %zu",
          names.size(), signal.rows(), error.rows());
+  View<std::uint32_t> group;
+  View<double> group_error;
+  if (has(doc, "/protocol/shell") && has(doc, "/signals/powder_error")) {
+    group = view<std::uint32_t>(doc, "/protocol/shell");
+    group_error = view<double>(doc, "/signals/powder_error", view<double>(doc, "/signals/powder_b").rows());
+    if (group.rows() != count || group_error.rows() != names.size())
+      fail(CONCEG_E_FORMAT,
+           "/protocol/shell, /signals/powder_error: expected %zu and %zu rows, got %zu and %zu", count,
+           names.size(), group.rows(), group_error.rows());
+  }
   std::vector<Signal> out;
   for (const std::size_t row : chosen_rows(names, wanted))
     for (const Timing &timing : protocol.timings) {
@@ -99,6 +110,11 @@ std::vector<Signal> read_signals(conceg_ctx *ctx, conceg_doc *doc, const std::st
         if (protocol.b[i] > 0.0 && !same(timing, protocol.duration[i], protocol.separation[i])) continue;
         s.rows.b.push_back(protocol.b[i]), s.rows.signal.push_back(signal.row(row)[i]);
         s.rows.error.push_back(error.row(row)[i]);
+        if (!group.rows()) continue;
+        if (group[i] >= group_error.columns())
+          fail(CONCEG_E_FORMAT, "/protocol/shell: expected less than %zu, got %u", group_error.columns(),
+               group[i]);
+        s.rows.group.push_back(group[i]), s.rows.group_error.push_back(group_error.row(row)[group[i]]);
       }
       out.push_back(std::move(s));
     }

@@ -35,16 +35,32 @@ double sandi_signal(const Model &model, const Sphere &sphere, double b, const do
 
 namespace {
 
+// 1 / error, scaled to a mean square of 1; ones without weights.
+std::vector<double> weights(const Model &model, const Shells &shells) {
+  std::vector<double> out(shells.b.size(), 1.0);
+  if (!model.weighted) return out;
+  double sum = 0.0;
+  for (const double error : shells.error)
+    sum += 1.0 / (error * error);
+  const double scale = std::sqrt(static_cast<double>(out.size()) / sum);
+  for (std::size_t i = 0; i < out.size(); i++)
+    out[i] = scale / shells.error[i];
+  return out;
+}
+
 LeastSquares make_problem(const Model &model, const Sphere &sphere, const Shells &shells) {
   LeastSquares problem;
   problem.residuals = shells.b.size();
   problem.lower.assign(model.lower.begin(), model.lower.end());
   problem.upper.assign(model.upper.begin(), model.upper.end());
-  problem.evaluate = [&](const double *values, double *residuals, double *jacobian) {
-    for (std::size_t i = 0; i < shells.b.size(); i++)
-      residuals[i] =
-          sandi_signal(model, sphere, shells.b[i], values, jacobian ? jacobian + i * parameters : nullptr) -
-          shells.signal[i];
+  problem.evaluate = [&, weight = weights(model, shells)](const double *values, double *residuals,
+                                                          double *jacobian) {
+    for (std::size_t i = 0; i < shells.b.size(); i++) {
+      double *const row = jacobian ? jacobian + i * parameters : nullptr;
+      residuals[i] = weight[i] * (sandi_signal(model, sphere, shells.b[i], values, row) - shells.signal[i]);
+      for (std::size_t p = 0; row && p < parameters; p++)
+        row[p] *= weight[i];
+    }
   };
   return problem;
 }
@@ -127,16 +143,18 @@ void set_fractions(SandiFit &fit) {
   fit.fraction_error = {spread(-(1.0 - g), -(1.0 - f_e)), spread(-g, 1.0 - f_e), spread(1.0, 0.0)};
 }
 
-// Variance of each shell: that of the signal, else the residuals' mean square over the degrees of freedom.
-std::vector<double> variances(const Shells &shells, double cost, std::size_t free) {
+// Variance of each residual: that of the signal, else the residuals' mean square over the degrees of freedom.
+std::vector<double> variances(const Model &model, const Shells &shells, double cost, std::size_t free) {
+  const std::vector<double> weight = weights(model, shells);
   const std::size_t n = shells.b.size();
   std::vector<double> out(n, n > free ? cost / static_cast<double>(n - free) : 0.0);
   for (std::size_t i = 0; i < shells.error.size(); i++)
-    out[i] = shells.error[i] * shells.error[i];
+    out[i] = weight[i] * weight[i] * shells.error[i] * shells.error[i];
   return out;
 }
 
-void set_errors(const LeastSquares &problem, const Shells &shells, double cost, SandiFit &fit) {
+void set_errors(const Model &model, const LeastSquares &problem, const Shells &shells, double cost,
+                SandiFit &fit) {
   std::vector<bool> marked(parameters);
   std::size_t free = 0;
   for (std::size_t i = 0; i < parameters; i++) {
@@ -147,7 +165,7 @@ void set_errors(const LeastSquares &problem, const Shells &shells, double cost, 
     marked[i] = fit.fitted[i] && !fit.at_bound[i], free += fit.fitted[i];
   }
   const std::vector<double> at(fit.values.begin(), fit.values.end());
-  fit.covariance = covariance(problem, at, marked, variances(shells, cost, free));
+  fit.covariance = covariance(problem, at, marked, variances(model, shells, cost, free));
   fit.singular = fit.covariance.empty();
   for (std::size_t i = 0; i < parameters && !fit.singular; i++)
     fit.error[i] = std::sqrt(fit.covariance[i * parameters + i]);
@@ -170,7 +188,7 @@ SandiFit fit_sandi(const Model &model, const Sphere &sphere, const Shells &shell
     else if (end.converged && (fit.rival_rms == 0.0 || rms(end.cost) < fit.rival_rms))
       fit.rival_rms = rms(end.cost);
   }
-  set_errors(problem, shells, best.cost, fit);
+  set_errors(model, problem, shells, best.cost, fit);
   set_fractions(fit);
   for (const double b : shells.b)
     fit.predicted.push_back(sandi_signal(model, sphere, b, best.parameters.data(), nullptr));

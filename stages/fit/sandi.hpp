@@ -28,6 +28,7 @@ struct Model {
   Extracellular extracellular = Extracellular::ball;
   // A parameter whose bounds are equal is held there.
   Values lower{0, 0, 1, 0.1, 0.1, 3}, upper{1, 1, 15, 3, 3, 3};
+  bool weighted = false; // residuals by the shells' standard errors, else all alike
 };
 
 // Direction averages over the signal at b = 0; b of shells above 0, one timing for all.
@@ -52,7 +53,7 @@ struct SandiFit {
   std::array<double, 3> fraction{}, fraction_error{}; // neurite, soma, extracellular
   std::array<bool, parameters> fitted{}, at_bound{};
   std::vector<double> predicted; // of the shells
-  double rms = 0.0;
+  double rms = 0.0;              // of the residuals, weighted where the fit is, by weights of mean square 1
   std::size_t starts = 0,
               arrived = 0; // starts that ended within 0.001 of the best fit, in widths of the bounds
   double rival_rms = 0.0;  // of the next best other minimum; 0 = there is none

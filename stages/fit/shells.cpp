@@ -38,11 +38,13 @@ Mean mean_of(const Measurements &rows, const std::size_t *begin, const std::size
   Mean out;
   const double n = static_cast<double>(end - begin);
   double squares = 0.0;
+  bool one_group = !rows.group.empty();
   for (const std::size_t *i = begin; i != end; i++) {
+    one_group = one_group && rows.group[*i] == rows.group[*begin];
     out.b += rows.b[*i] / n, out.signal += rows.signal[*i] / n;
     if (!rows.error.empty()) squares += rows.error[*i] * rows.error[*i];
   }
-  out.error = std::sqrt(squares) / n;
+  out.error = one_group ? rows.group_error[*begin] : std::sqrt(squares) / n;
   return out;
 }
 
@@ -106,6 +108,14 @@ void check_shells(const Shells &shells, const std::vector<std::string> &fitted, 
        "diffusivities "
        "(parameter free)",
        what.c_str(), fitted.size(), names.c_str(), shells.b.size());
+}
+
+void check_errors(const Shells &shells, const std::string &what) {
+  for (std::size_t i = 0; i < shells.b.size(); i++)
+    if (shells.error.empty() || !(shells.error[i] > 0.0))
+      fail(CONCEG_E_MISSING,
+           "weights: expected standard errors above 0 of the signal %s, got none at b %g; use weights=none",
+           what.c_str(), shells.b[i]);
 }
 
 } // namespace conceg::fit

@@ -70,6 +70,7 @@ Options read_options(const conceg_params *params) {
   o.variants = conceg_params_bool(params, "variants") != 0;
   o.shell_width = conceg_params_f64(params, "shell_width");
   o.starts = static_cast<std::size_t>(conceg_params_i64(params, "starts"));
+  o.free.weighted = std::string(conceg_params_text(params, "weights")) == "errors";
   read_bounds(params, o.free);
   check_pictures(o.pictures);
   return o;
@@ -140,6 +141,7 @@ void fit_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
     const bool reduced = is_reduced(options, signal.compartment);
     for (const Model &model : models_of(options, reduced, low, high)) {
       check_shells(averages.shells, names_of_fitted(model), signal.name);
+      if (model.weighted) check_errors(averages.shells, signal.name);
       const Sphere &sphere = spheres.of(model, signal.timing, averages.shells.b.back());
       Result result{signal.name, signal.timing, model, averages, {}, reduced};
       const Progress progress = progress_of(ctx);
@@ -194,6 +196,9 @@ const conceg_param table[] = {
     {"variants", "", "fit both kernels, each with the neurites' diffusivity free and held", "false", nullptr,
      CONCEG_PARAM_BOOL, 0, 0, 0},
     {"starts", "1", "points within the bounds to fit from", "24", nullptr, CONCEG_PARAM_I64, 0, 1, 10000},
+    {"weights", "",
+     "of the residuals: none, as published, or errors = 1 / standard error of each direction average", "none",
+     "none|errors", CONCEG_PARAM_CHOICE, 0, 0, 0},
     {"shell_width", "ms/um^2", "values of b this near to each other are averaged; b up to this is b = 0",
      "0.05", nullptr, CONCEG_PARAM_F64, 0, 0, 10},
     {"csv", "", "folder for the tables as comma-separated files; made when absent", "", nullptr,

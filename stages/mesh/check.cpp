@@ -33,50 +33,43 @@ const char *flaw_name(Flaw flaw) {
   return names[static_cast<std::size_t>(flaw)];
 }
 
-CheckResult check_surfaces(const std::vector<Surface> &surfaces, const conceg_box &box,
-                           const CheckOptions &options, Workers &workers, const Progress &progress) {
+CheckResult check_surfaces(const Views &surfaces, const conceg_box &box, const CheckOptions &options,
+                           Workers &workers, const Progress &progress) {
   CheckResult result;
   check_again(surfaces, std::vector<std::uint8_t>(surfaces.size(), 1), box, options, workers, progress,
               result);
   return result;
 }
 
-void check_again(const std::vector<Surface> &surfaces, const std::vector<std::uint8_t> &changed,
-                 const conceg_box &box, const CheckOptions &options, Workers &workers,
-                 const Progress &progress, CheckResult &result) {
-  const auto is_old = [&](std::uint32_t s) { return !changed[s]; };
-  const auto outdated = [&](const auto &pair) {
-    return !is_old(pair.surface) || !is_old(pair.other_surface);
-  };
+void check_again(const Views &surfaces, const std::vector<std::uint8_t> &changed, const conceg_box &box,
+                 const CheckOptions &options, Workers &workers, const Progress &progress,
+                 CheckResult &result) {
   auto &defects = result.defects;
-  defects.erase(
-      std::remove_if(defects.begin(), defects.end(),
-                     [&](const Defect &d) { return is_pair(d.flaw) ? outdated(d) : !is_old(d.surface); }),
-      defects.end());
-  result.gaps.erase(std::remove_if(result.gaps.begin(), result.gaps.end(), outdated), result.gaps.end());
+  defects.erase(std::remove_if(defects.begin(), defects.end(),
+                               [&](const Defect &d) {
+                                 return changed[d.surface] || (is_pair(d.flaw) && changed[d.other_surface]);
+                               }),
+                defects.end());
   std::vector<std::vector<Defect>> found(surfaces.size());
   result.usable.resize(surfaces.size()), result.closed.resize(surfaces.size());
+  result.plain.resize(surfaces.size()), result.min_gap.assign(surfaces.size(), options.reach);
   workers.loop(surfaces.size(), 1, [&](std::size_t s, unsigned) {
     if (!changed[s]) return;
-    result.usable[s] = check_topology(surfaces[s], static_cast<std::uint32_t>(s), found[s]);
+    result.usable[s] = check_topology(surfaces[s], static_cast<std::uint32_t>(s), found[s], result.plain[s]);
     result.closed[s] = found[s].empty();
   });
   for (const auto &list : found)
     defects.insert(defects.end(), list.begin(), list.end());
-  check_pairs(surfaces, result.usable, changed, box, options, workers, progress, result);
+  check_pairs(surfaces, changed, box, options, workers, progress, result);
   std::sort(defects.begin(), defects.end(), earlier);
   result.errors = result.crossings = 0;
   for (const Defect &defect : defects) {
     result.errors += defect.flaw != Flaw::near;
     result.crossings += is_pair(defect.flaw) && defect.flaw != Flaw::near;
   }
-  result.min_gap.assign(surfaces.size(), kGapReach * options.gap);
-  for (const Gap &gap : result.gaps)
-    for (const std::uint32_t s : {gap.surface, gap.other_surface})
-      result.min_gap[s] = std::min(result.min_gap[s], std::sqrt(gap.distance2));
 }
 
-std::string describe(const Defect &defect, const std::vector<Surface> &surfaces) {
+std::string describe(const Defect &defect, const Views &surfaces) {
   char text[320];
   const unsigned cell = surfaces[defect.surface].cell;
   if (!is_pair(defect.flaw)) {

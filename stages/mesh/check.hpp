@@ -24,7 +24,7 @@ enum class Flaw : std::uint8_t {
   crossing_image, // faces of a cell and of its own periodic image meet
   crossing_self,  // faces of one surface meet that have no vertex in common
   fold,           // faces with a common vertex meet elsewhere too
-  near,           // faces of two labels are nearer than the least gap: not an error, but worth a repair
+  near,           // faces of two labels are nearer than the least gap
 };
 const char *flaw_name(Flaw flaw);
 inline bool is_pair(Flaw flaw) {
@@ -39,16 +39,21 @@ struct Defect {
   glm::dvec3 where{};                      // um
 };
 
-constexpr double kGapReach = 1.5; // gaps are measured up to so many times the gap that is asked
+class Bits {
+public:
+  void reset(std::size_t count) { word_.assign((count + 63) / 64, 0); }
+  void set(std::size_t i) { word_[i / 64] |= std::uint64_t(1) << i % 64; }
+  bool operator[](std::size_t i) const { return word_[i / 64] >> i % 64 & 1; }
 
-struct CheckOptions {
-  double gap = 0.06;    // um; 0 = gaps are not measured
-  double least_gap = 0; // um; pairs nearer than this are listed as near
+private:
+  std::vector<std::uint64_t> word_;
 };
 
-struct Gap {
-  std::uint32_t surface, other_surface;
-  double distance2; // um2, least over the faces of the two
+struct CheckOptions {
+  double reach = 0.09;               // um; gaps are measured up to this
+  double least_gap = 0;              // um; pairs nearer than this are listed as near
+  std::size_t memory = 512u << 20;   // bytes that the pair test may take
+  std::function<void()> forget = {}; // called now and then: pages of files that were read may go
 };
 
 struct CheckResult {
@@ -56,23 +61,24 @@ struct CheckResult {
   std::uint64_t errors = 0;    // defects that make the meshes unfit: all but near
   std::uint64_t crossings = 0; // pairs among them
   std::uint64_t pairs_checked = 0;
-  std::vector<double> min_gap; // per surface: distance to the nearest other label, at most kGapReach * gap
+  std::vector<double> min_gap; // per surface: distance to the nearest other label, at most `reach`; of the
+                               // pairs that were tested
   std::vector<std::uint8_t> closed; // per surface: no flaw other than crossings
   std::vector<std::uint8_t> usable; // per surface: the pair test can take it
-  std::vector<Gap> gaps;            // pairs of labels nearer than kGapReach * gap
+  std::vector<Bits> plain;          // per surface: vertices around which no two faces meet (topology)
 };
 
 // Surfaces with bad indices or degenerate faces are reported and left out of the pair test.
-CheckResult check_surfaces(const std::vector<Surface> &surfaces, const conceg_box &box,
-                           const CheckOptions &options, Workers &workers, const Progress &progress);
+CheckResult check_surfaces(const Views &surfaces, const conceg_box &box, const CheckOptions &options,
+                           Workers &workers, const Progress &progress);
 
 // Brings `result` up to date after some surfaces have been replaced: pairs of two others are not tested
-// again. pairs_checked counts the tests of all times.
-void check_again(const std::vector<Surface> &surfaces, const std::vector<std::uint8_t> &changed,
-                 const conceg_box &box, const CheckOptions &options, Workers &workers,
-                 const Progress &progress, CheckResult &result);
+// again, and min_gap holds for replaced surfaces alone. pairs_checked counts the tests of all times.
+void check_again(const Views &surfaces, const std::vector<std::uint8_t> &changed, const conceg_box &box,
+                 const CheckOptions &options, Workers &workers, const Progress &progress,
+                 CheckResult &result);
 
 // One line that names a defect and its place.
-std::string describe(const Defect &defect, const std::vector<Surface> &surfaces);
+std::string describe(const Defect &defect, const Views &surfaces);
 
 } // namespace conceg::mesh

@@ -97,10 +97,9 @@ Pieces keep_soma_piece(Surface &surface, const glm::dvec3 &inside, bool has_soma
   return result;
 }
 
-std::int64_t euler_characteristic(const Surface &surface) {
+std::int64_t euler_characteristic(const SurfaceView &surface) {
   // Closed: every edge belongs to two faces.
-  return static_cast<std::int64_t>(surface.vertex.size()) -
-         static_cast<std::int64_t>(surface.face.size()) / 2;
+  return static_cast<std::int64_t>(surface.vertices) - static_cast<std::int64_t>(surface.faces) / 2;
 }
 
 } // namespace conceg::mesh

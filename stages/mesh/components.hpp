@@ -22,6 +22,6 @@ struct Pieces {
 Pieces keep_soma_piece(Surface &surface, const glm::dvec3 &inside, bool has_soma);
 
 // V - E + F of a closed surface.
-std::int64_t euler_characteristic(const Surface &surface);
+std::int64_t euler_characteristic(const SurfaceView &surface);
 
 } // namespace conceg::mesh

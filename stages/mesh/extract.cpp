@@ -4,7 +4,6 @@
 #include <glm/common.hpp>
 
 #include <algorithm>
-#include <atomic>
 #include <numeric>
 
 namespace conceg::mesh {
@@ -232,79 +231,59 @@ bool is_met(const Chunk &chunk, const Apart &apart, const std::vector<NodeBox> &
          std::any_of(places.begin(), places.end(), [&](const NodeBox &box) { return touches(chunk, box); });
 }
 
-struct Wanted {
-  std::uint32_t row, cell;
-  Chunk *chunk;
-};
-
-// Marches chunks of one row of the index again.
-template <class ApartOf>
-void march_row_again(const Scene &scene, const Index &index, const Wanted *wanted, std::size_t count,
-                     const ApartOf &apart_of) {
+void march_again(const Scene &scene, const Index &index, std::uint32_t cell, const Apart &apart,
+                 Chunk &chunk) {
   static thread_local BlockField field;
   static thread_local Marcher marcher;
-  evaluate_block(scene, index, wanted->row, field);
-  for (const Wanted *w = wanted; w != wanted + count; w++)
-    for (std::size_t label = 0; label < field.label.size(); label++) {
-      if (field.label[label].cell != w->cell || field.label[label].lift != w->chunk->lift) continue;
-      const Apart &apart = apart_of(w->cell);
-      Chunk again;
+  const std::uint32_t row = chunk.row;
+  evaluate_block(scene, index, row, field);
+  for (std::size_t label = 0; label < field.label.size(); label++)
+    if (field.label[label].cell == cell && field.label[label].lift == chunk.lift) {
       marcher.run(
           field, label, scene.grid.size, true, [&](const glm::ivec3 &node) { return apart.holds(node); },
-          again);
-      again.row = w->row;
-      *w->chunk = again; // a copy has no slack
-      break;
+          chunk);
+      chunk.row = row;
+      return;
     }
 }
 
 } // namespace
 
-Chunks march_blocks(const Scene &scene, const Index &index, bool cluster, Workers &workers,
-                    const Progress &progress) {
-  struct Marched {
-    std::uint32_t cell;
-    Chunk chunk;
-  };
-  std::vector<std::vector<Marched>> blocks(index.block.size());
-  std::atomic<std::uint64_t> done{0};
-  workers.loop(blocks.size(), 1, [&](std::size_t row, unsigned) {
-    static thread_local BlockField field;
-    static thread_local Marcher marcher;
-    static thread_local Chunk chunk;
-    evaluate_block(scene, index, row, field);
-    for (std::size_t label = 0; label < field.label.size(); label++)
-      if (marcher.run(field, label, scene.grid.size, cluster, {}, chunk)) {
-        chunk.row = static_cast<std::uint32_t>(row);
-        blocks[row].push_back({field.label[label].cell, chunk}); // a copy has no slack
-      }
-    const std::uint64_t count = ++done;
-    if (count % 64 == 0) report(progress, "mesh: extract", count, blocks.size());
-  });
-  Chunks chunks(scene.cells);
-  for (auto &block : blocks)
-    for (Marched &marched : block)
-      chunks[marched.cell].push_back(std::move(marched.chunk));
-  return chunks;
+RowCount rows_of(const Scene &scene, const Index &index, const std::vector<std::uint8_t> &wanted) {
+  RowCount out;
+  out.rows.resize(scene.cells);
+  for (std::size_t row = 0; row < index.block.size(); row++) {
+    bool any = false;
+    for (std::uint64_t i = index.offset[row]; i < index.offset[row + 1]; i++) {
+      const std::uint32_t cell = scene.cone[index.entry[i].cone].cell;
+      const bool again = i > index.offset[row] && scene.cone[index.entry[i - 1].cone].cell == cell;
+      if (again || !wanted[cell]) continue;
+      out.rows[cell]++, any = true;
+    }
+    if (any) out.row.push_back(static_cast<std::uint32_t>(row));
+  }
+  return out;
 }
 
-void march_again(const Scene &scene, const Index &index, const std::vector<std::uint32_t> &cells,
-                 const std::vector<Apart> &apart, const std::vector<std::vector<NodeBox>> &places,
-                 Workers &workers, Chunks &chunks) {
-  std::vector<Wanted> wanted;
-  for (const std::uint32_t cell : cells)
-    for (Chunk &chunk : chunks[cell])
-      if (is_met(chunk, apart[cell], places[cell])) wanted.push_back({chunk.row, cell, &chunk});
-  std::stable_sort(wanted.begin(), wanted.end(),
-                   [](const Wanted &l, const Wanted &r) { return l.row < r.row; });
-  std::vector<std::size_t> first; // of each row
-  for (std::size_t i = 0; i < wanted.size(); i++)
-    if (i == 0 || wanted[i].row != wanted[i - 1].row) first.push_back(i);
-  first.push_back(wanted.size());
-  workers.loop(first.size() - 1, 1, [&](std::size_t i, unsigned) {
-    march_row_again(scene, index, &wanted[first[i]], first[i + 1] - first[i],
-                    [&](std::uint32_t cell) -> const Apart & { return apart[cell]; });
-  });
+void march_row(const Scene &scene, const Index &index, std::uint32_t row, bool cluster,
+               const std::vector<std::uint8_t> &wanted, const std::vector<Apart> &apart,
+               std::vector<ChunkFile::Marched> &out, std::vector<std::uint32_t> &cells) {
+  static thread_local BlockField field;
+  static thread_local Marcher marcher;
+  static thread_local Chunk chunk;
+  evaluate_block(scene, index, row, field);
+  out.clear(), cells.clear();
+  for (std::size_t label = 0; label < field.label.size(); label++) {
+    const std::uint32_t cell = field.label[label].cell;
+    if (!wanted[cell]) continue;
+    if (cells.empty() || cells.back() != cell) cells.push_back(cell);
+    const Apart &own = apart[cell];
+    const KeepsApart keeps_apart =
+        own.empty() ? KeepsApart() : [&own](const glm::ivec3 &node) { return own.holds(node); };
+    if (!marcher.run(field, label, scene.grid.size, cluster, keeps_apart, chunk)) continue;
+    chunk.row = row;
+    out.push_back({cell, chunk});
+  }
 }
 
 Surface join_cell(const Scene &scene, const Index &index, std::uint32_t cell, const glm::dvec3 &origin,
@@ -317,11 +296,8 @@ Surface join_cell(const Scene &scene, const Index &index, std::uint32_t cell, co
     apart.whole |= vanished;
     for (const NodeBox &node : nodes)
       apart.add(node);
-    for (Chunk &chunk : chunks) {
-      if (!is_met(chunk, apart, nodes)) continue;
-      const Wanted wanted = {chunk.row, cell, &chunk};
-      march_row_again(scene, index, &wanted, 1, [&](std::uint32_t) -> const Apart & { return apart; });
-    }
+    for (Chunk &chunk : chunks)
+      if (is_met(chunk, apart, nodes)) march_again(scene, index, cell, apart, chunk);
   }
 }
 

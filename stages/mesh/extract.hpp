@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The surfaces of all cells in unwrapped coordinates: blocks are marched once and kept as chunks, a cell's
-// chunks are joined when its surface is wanted.
+// The surface of one cell in unwrapped coordinates, from the pieces that its blocks gave.
 #pragma once
 
-#include "march.hpp"
+#include "chunk_file.hpp"
 #include "surface.hpp"
 
+#include <algorithm>
 #include <unordered_set>
 
 namespace conceg::mesh {
-
-// Chunks of each cell, in the order of blocks.
-using Chunks = std::vector<std::vector<Chunk>>;
-
-Chunks march_blocks(const Scene &scene, const Index &index, bool cluster, Workers &workers,
-                    const Progress &progress);
 
 struct NodeBox {
   glm::ivec3 low, high; // unwrapped nodes, both in it
@@ -32,6 +26,13 @@ public:
   }
   bool holds(const glm::ivec3 &node) const { return whole || nodes_.count(key(node)); }
   bool empty() const { return !whole && nodes_.empty(); }
+  // As plain numbers, in ascending order, to be kept and taken back.
+  std::vector<std::uint64_t> nodes() const {
+    std::vector<std::uint64_t> out(nodes_.begin(), nodes_.end());
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+  void add(const std::vector<std::uint64_t> &nodes) { nodes_.insert(nodes.begin(), nodes.end()); }
 
 private:
   static std::uint64_t key(const glm::ivec3 &c) {
@@ -41,11 +42,17 @@ private:
   std::unordered_set<std::uint64_t> nodes_;
 };
 
-// Marches again those chunks of the cells that one of their places meets; all of them when `apart.whole`.
-// `apart` and `places` are per cell.
-void march_again(const Scene &scene, const Index &index, const std::vector<std::uint32_t> &cells,
-                 const std::vector<Apart> &apart, const std::vector<std::vector<NodeBox>> &places,
-                 Workers &workers, Chunks &chunks);
+// Which rows of the index hold an image of a cell: the cells' rows, ascending. `wanted` is per cell.
+struct RowCount {
+  std::vector<std::uint32_t> row;  // that hold a wanted cell
+  std::vector<std::uint32_t> rows; // per cell: how many of them hold it
+};
+RowCount rows_of(const Scene &scene, const Index &index, const std::vector<std::uint8_t> &wanted);
+
+// The chunks of the wanted cells in one row, with the cells that are in it, each once.
+void march_row(const Scene &scene, const Index &index, std::uint32_t row, bool cluster,
+               const std::vector<std::uint8_t> &wanted, const std::vector<Apart> &apart,
+               std::vector<ChunkFile::Marched> &out, std::vector<std::uint32_t> &cells);
 
 // One closed manifold surface from a cell's chunks, relative to `origin`, with `room`. Nodes whose clusters
 // spoil it are added to `apart` and marched again. The order of vertices and faces follows the unwrapped

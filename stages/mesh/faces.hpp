@@ -7,11 +7,11 @@
 
 namespace conceg::mesh {
 
-struct FaceLabels {
-  std::vector<std::uint8_t> compartment; // 1 soma, else the SWC code of the nearest segment
-  std::vector<std::uint32_t> section;    // skeleton branch; kNoSection on the soma
+struct FaceLabel {
+  std::uint8_t compartment = kSomaKind; // 1 soma, else the SWC code of the nearest segment
+  std::uint32_t section = kNoSection;   // skeleton branch; kNoSection on the soma
 };
 
-FaceLabels label_faces(const Scene &scene, const Index &index, const Surface &surface, Workers &workers);
+FaceLabel label_face(const Scene &scene, const Index &index, const SurfaceView &surface, std::size_t face);
 
 } // namespace conceg::mesh

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "field.hpp"
+#include "wide.hpp"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -7,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 
 namespace conceg::mesh {
@@ -82,7 +84,12 @@ bool block_feels(const Scene &scene, const Shape &shape, float reach, const glm:
          reach + 0.01;
 }
 
-void index_cone(const Scene &scene, std::uint32_t number, std::vector<IndexEntry> &out) {
+struct BlockEntry {
+  std::uint32_t block;
+  IndexEntry entry;
+};
+
+void index_cone(const Scene &scene, std::uint32_t number, std::vector<BlockEntry> &out) {
   const Grid &grid = scene.grid;
   const Cone &cone = scene.cone[number];
   const float reach = scene.section[cone.section].reach;
@@ -102,9 +109,9 @@ void index_cone(const Scene &scene, std::uint32_t number, std::vector<IndexEntry
             for (int x = ix.first; x <= ix.last; x++)
               if (block_feels(scene, shape, reach, {x, y, z}, lift))
                 out.push_back({static_cast<std::uint32_t>((z * blocks.y + y) * blocks.x + x),
-                               number,
-                               {static_cast<std::int16_t>(lift.x), static_cast<std::int16_t>(lift.y),
-                                static_cast<std::int16_t>(lift.z)}});
+                               {number,
+                                {static_cast<std::int16_t>(lift.x), static_cast<std::int16_t>(lift.y),
+                                 static_cast<std::int16_t>(lift.z)}}});
       }
 }
 
@@ -144,7 +151,7 @@ LocalCone local_cone(const Scene &scene, const IndexEntry &entry, const glm::ive
 
 // Minimum of a row of nodes with the distances to one cone. One code path for every row: same bits
 // everywhere.
-void cone_row(float *value, const LocalCone &cone, const glm::vec3 &scale, float dy, float dz) {
+inline void cone_row(float *value, const LocalCone &cone, const glm::vec3 &scale, float dy, float dz) {
   const float ux = cone.axis[0], uy = cone.axis[1], uz = cone.axis[2], ax = cone.a[0], sx = scale.x;
   const float row_along = dy * uy + dz * uz;
   for (int x = cone.low[0]; x <= cone.high[0]; x++) {
@@ -162,7 +169,7 @@ void cone_row(float *value, const LocalCone &cone, const glm::vec3 &scale, float
   }
 }
 
-void add_cone(float *value, const LocalCone &cone, const glm::vec3 &scale) {
+WIDE void add_cone(float *value, const LocalCone &cone, const glm::vec3 &scale) {
   for (int z = cone.low[2]; z <= cone.high[2]; z++)
     for (int y = cone.low[1]; y <= cone.high[1]; y++)
       cone_row(value + (z * kRow + y) * kRow, cone, scale, (static_cast<float>(y) - cone.a[1]) * scale.y,
@@ -170,7 +177,7 @@ void add_cone(float *value, const LocalCone &cone, const glm::vec3 &scale) {
 }
 
 // Polynomial smooth minimum of two sections; far values stay far.
-void blend(float *union_value, const float *section_value, float k) {
+WIDE void blend(float *union_value, const float *section_value, float k) {
   const float quarter = k > 0.0f ? 0.25f / k : 0.0f;
   for (int i = 0; i < kNodes; i++) {
     const float a = union_value[i], b = section_value[i];
@@ -211,7 +218,7 @@ void evaluate_labels(const Scene &scene, const Index &index, std::size_t row, Bl
 
 // phi_i' = max(psi_i, (psi_i - m_i)/2 + g/2), m_i the smallest value of the others; then small values snap
 // upwards.
-void separate(BlockField &field, float gap, float snap) {
+WIDE void separate(BlockField &field, float gap, float snap) {
   field.nearest.assign(kNodes, kFar);
   field.second.assign(kNodes, kFar);
   field.owner.assign(kNodes, 0);
@@ -247,26 +254,39 @@ double cone_distance(const Grid &grid, const Cone &cone, const glm::dvec3 &voxel
 
 Index make_index(const Scene &scene, Workers &workers, const Progress &progress) {
   constexpr std::size_t kBatch = 4096;
-  std::vector<std::vector<IndexEntry>> parts((scene.cone.size() + kBatch - 1) / kBatch);
+  std::vector<std::vector<BlockEntry>> parts((scene.cone.size() + kBatch - 1) / kBatch);
   workers.loop(parts.size(), 1, [&](std::size_t part, unsigned) {
     for (std::size_t i = part * kBatch; i < std::min(scene.cone.size(), (part + 1) * kBatch); i++)
       index_cone(scene, static_cast<std::uint32_t>(i), parts[part]);
   });
   report(progress, "mesh: index", 1, 2);
-  Index index;
+  const glm::ivec3 blocks = scene.grid.blocks();
+  const std::size_t places = static_cast<std::size_t>(blocks.x) * static_cast<std::size_t>(blocks.y) *
+                             static_cast<std::size_t>(blocks.z);
+  std::vector<std::uint64_t> start(places + 1);
   for (const auto &part : parts)
-    index.entry.insert(index.entry.end(), part.begin(), part.end());
+    for (const BlockEntry &e : part)
+      start[e.block + 1]++;
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  Index index;
+  for (std::size_t block = 0; block < places; block++)
+    if (start[block] != start[block + 1])
+      index.block.push_back(static_cast<std::uint32_t>(block)), index.offset.push_back(start[block]);
+  index.offset.push_back(start[places]);
+  index.entry.resize(start[places]);
+  for (auto &part : parts) {
+    for (const BlockEntry &e : part)
+      index.entry[start[e.block]++] = e.entry;
+    part = {};
+  }
   const auto key = [&](const IndexEntry &e) {
-    return std::make_tuple(e.block, scene.cone[e.cone].cell, e.lift[2], e.lift[1], e.lift[0], e.cone);
+    return std::make_tuple(scene.cone[e.cone].cell, e.lift[2], e.lift[1], e.lift[0], e.cone);
   };
-  std::sort(index.entry.begin(), index.entry.end(),
-            [&](const IndexEntry &l, const IndexEntry &r) { return key(l) < key(r); });
-  for (std::size_t i = 0; i < index.entry.size(); i++)
-    if (i == 0 || index.entry[i].block != index.entry[i - 1].block) {
-      index.block.push_back(index.entry[i].block);
-      index.offset.push_back(i);
-    }
-  index.offset.push_back(index.entry.size());
+  workers.loop(index.block.size(), 16, [&](std::size_t row, unsigned) {
+    std::sort(index.entry.begin() + static_cast<std::ptrdiff_t>(index.offset[row]),
+              index.entry.begin() + static_cast<std::ptrdiff_t>(index.offset[row + 1]),
+              [&](const IndexEntry &l, const IndexEntry &r) { return key(l) < key(r); });
+  });
   return index;
 }
 
@@ -283,21 +303,28 @@ void evaluate_block(const Scene &scene, const Index &index, std::size_t row, Blo
   separate(out, static_cast<float>(scene.gap), scene.snap);
 }
 
-std::int64_t nearest_cone(const Scene &scene, const Index &index, std::uint32_t cell,
-                          const glm::dvec3 &voxel) {
-  const Grid &grid = scene.grid;
+Place place_of(const Grid &grid, const Index &index, const glm::dvec3 &voxel) {
   const glm::ivec3 blocks = grid.blocks();
-  glm::ivec3 lift(0), at;
+  Place place;
+  glm::ivec3 at;
   for (int axis = 0; axis < 3; axis++) {
     int node = static_cast<int>(std::floor(voxel[axis]));
-    if (grid.periodic[axis]) lift[axis] = -static_cast<int>(std::floor(double(node) / grid.size[axis]));
-    node += lift[axis] * grid.size[axis] - grid.low[axis];
+    if (grid.periodic[axis]) place.lift[axis] = -static_cast<int>(std::floor(double(node) / grid.size[axis]));
+    node += place.lift[axis] * grid.size[axis] - grid.low[axis];
     at[axis] = std::min(blocks[axis] - 1, std::max(0, node / kBlock));
   }
   const auto block = static_cast<std::uint32_t>((at.z * blocks.y + at.y) * blocks.x + at.x);
   const auto found = std::lower_bound(index.block.begin(), index.block.end(), block);
-  if (found == index.block.end() || *found != block) return -1;
-  const std::size_t row = static_cast<std::size_t>(found - index.block.begin());
+  if (found != index.block.end() && *found == block) place.row = found - index.block.begin();
+  return place;
+}
+
+std::int64_t nearest_cone(const Scene &scene, const Index &index, std::uint32_t cell,
+                          const glm::dvec3 &voxel) {
+  const Grid &grid = scene.grid;
+  const auto [at, lift] = place_of(grid, index, voxel);
+  if (at < 0) return -1;
+  const auto row = static_cast<std::size_t>(at);
   const auto first = index.entry.begin() + static_cast<std::ptrdiff_t>(index.offset[row]);
   const auto last = index.entry.begin() + static_cast<std::ptrdiff_t>(index.offset[row + 1]);
   const auto key = [&](const IndexEntry &e) {

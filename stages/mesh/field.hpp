@@ -16,12 +16,11 @@ constexpr float kFar = 1e9f; // value of nodes out of reach
 
 // One cone image that some node of a block can feel.
 struct IndexEntry {
-  std::uint32_t block;
   std::uint32_t cone;
   std::int16_t lift[3];
 };
 
-// Entries sorted by (block, cell, lift, cone); blocks that hold none do not appear.
+// Entries of each block, sorted by (cell, lift, cone); blocks that hold none do not appear.
 struct Index {
   std::vector<IndexEntry> entry;
   std::vector<std::uint32_t> block;
@@ -57,6 +56,14 @@ void evaluate_block(const Scene &scene, const Index &index, std::size_t row, Blo
 
 // Exact distance of a point (voxels, unwrapped) to one cone, in units. Double precision, for single points.
 double cone_distance(const Grid &grid, const Cone &cone, const glm::dvec3 &voxel);
+
+// Where a point given in unwrapped voxels lies: the row of its block, and the lift that brings it into the
+// box.
+struct Place {
+  std::int64_t row = -1; // of the index; -1: no cone is within reach of the block
+  glm::ivec3 lift{};
+};
+Place place_of(const Grid &grid, const Index &index, const glm::dvec3 &voxel);
 
 // The cone of `cell` nearest to a point given in unwrapped voxels; -1 when none is within reach of the
 // point's block.

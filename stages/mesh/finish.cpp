@@ -3,11 +3,12 @@
 #include "simplify.hpp"
 
 #include <glm/common.hpp>
-#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <numeric>
+#include <thread>
 
 namespace conceg::mesh {
 namespace {
@@ -19,74 +20,161 @@ public:
   Finisher(const Scene &scene, const Index &index, const Origins &origins, const conceg_box &box,
            const FinishOptions &options, Workers &workers, const Progress &progress)
       : scene_(scene), index_(index), origins_(origins), box_(box), options_(options), workers_(workers),
-        progress_(progress), apart_(scene.cells), made_(scene.cells), slot_(scene.cells, kNoSlot),
-        faces_(scene.cells) {
+        progress_(progress), chunks_(options.folder, scene.cells), apart_(scene.cells), faces_(scene.cells) {
     result_.pieces.resize(scene.cells);
+    result_.file = options.side_file.empty()
+                       ? std::make_unique<SurfaceFile>(options.folder, scene.cells)
+                       : std::make_unique<SurfaceFile>(options.side_file, options.key, scene.cells);
   }
 
   Finished run() {
-    chunks_ = march_blocks(scene_, index_, options_.cluster, workers_, progress_);
-    std::vector<std::uint32_t> todo(scene_.cells);
-    std::iota(todo.begin(), todo.end(), 0u);
+    std::vector<std::uint32_t> todo = cells_to_make();
     CheckOptions check;
-    check.gap = options_.gap, check.least_gap = kLeastGap * options_.gap;
+    check.least_gap = check.reach = options_.least_gap();
+    check.memory = options_.check_memory;
+    check.forget = [this] { result_.file->forget(); };
     const bool exact = !options_.cluster && !(options_.tolerance > 0); // nothing to go back to
     int width = 1;
-    for (int round = 0;; round++, width *= 2) {
+    for (round_ = 0;; round_++, width *= 2) {
       make_all(todo);
-      collect();
-      std::vector<std::uint8_t> changed(result_.surfaces.size());
-      for (const std::uint32_t cell : todo)
-        if (slot_[cell] != kNoSlot) changed[slot_[cell]] = 1;
-      check_again(result_.surfaces, changed, box_, check, workers_, progress_, result_.check);
-      result_.rounds = round;
-      if (result_.check.defects.empty() || exact || round == options_.rounds) break;
+      result_.surfaces = result_.file->views();
+      check_again(result_.surfaces, changed(todo), box_, check, workers_, progress_, result_.check);
+      result_.rounds = round_;
+      const bool whole = round_ + 1 >= options_.rounds;
+      if (result_.check.defects.empty() || exact || (whole && !can_retreat())) break;
       result_.repaired_pairs += result_.check.defects.size();
-      todo = plan_repair(width, round + 1 == options_.rounds);
+      todo = plan_repair(width, whole);
     }
     result_.base_faces = std::accumulate(faces_.begin(), faces_.end(), std::uint64_t(0));
     return std::move(result_);
   }
 
 private:
-  // Large ones first, so that the last task is a small one.
-  void make_all(std::vector<std::uint32_t> todo) {
-    std::stable_sort(todo.begin(), todo.end(),
-                     [&](std::uint32_t l, std::uint32_t r) { return chunks_[l].size() > chunks_[r].size(); });
-    std::atomic<std::size_t> next{0};
-    std::atomic<std::uint64_t> done{0};
-    std::atomic<bool> stop{false};
-    workers_.loop(todo.size(), 1, [&](std::size_t, unsigned) {
-      const std::uint32_t cell = todo[next++];
-      const auto keep_going = [&] {
-        if (progress_ && !progress_("mesh: simplify", done, todo.size())) stop = true;
-        return !stop.load();
-      };
-      make(cell, keep_going);
-      done++;
-    });
-    if (stop) throw Error(CONCEG_E_CANCELLED, "");
+  // All but those that an earlier run has left in the file.
+  std::vector<std::uint32_t> cells_to_make() {
+    std::vector<std::uint8_t> there(scene_.cells);
+    for (const auto &[cell, notes] : result_.file->taken_over()) {
+      there[cell] = 1;
+      result_.pieces[cell] = notes.pieces, faces_[cell] = notes.base_faces;
+      apart_[cell].whole = notes.whole_base, apart_[cell].add(notes.base_node);
+    }
+    std::vector<std::uint32_t> todo;
+    for (std::uint32_t cell = 0; cell < scene_.cells; cell++)
+      if (!there[cell]) todo.push_back(cell);
+    result_.taken_over = scene_.cells - todo.size();
+    return todo;
   }
 
-  void make(std::uint32_t cell, const std::function<bool()> &keep_going) {
-    Surface base = join_cell(scene_, index_, cell, origins_.origin[cell], chunks_[cell], apart_[cell]);
-    result_.pieces[cell] =
-        keep_soma_piece(base, origins_.soma[cell] - base.origin, origins_.soma_radius[cell] > 0);
-    faces_[cell] = base.face.size();
+  // In the first round everything is new, also what was taken over.
+  std::vector<std::uint8_t> changed(const std::vector<std::uint32_t> &todo) {
+    std::vector<std::uint8_t> of_surface(result_.surfaces.size(), round_ == 0);
+    slot_.assign(scene_.cells, kNoSlot);
+    for (std::size_t s = 0; s < result_.surfaces.size(); s++)
+      slot_[result_.surfaces[s].cell] = s;
+    for (const std::uint32_t cell : todo)
+      if (slot_[cell] != kNoSlot) of_surface[slot_[cell]] = 1;
+    return of_surface;
+  }
+
+  // Blocks are marched in order; a cell whose last block is done goes before further blocks, so that little
+  // waits. Which worker does what leaves no trace in the result.
+  void make_all(const std::vector<std::uint32_t> &todo) {
+    wanted_.assign(scene_.cells, 0);
+    for (const std::uint32_t cell : todo)
+      wanted_[cell] = 1;
+    RowCount count = rows_of(scene_, index_, wanted_);
+    left_ = std::move(count.rows);
+    ready_.clear(), next_row_ = 0, taken_ = 0, stop_ = false, rows_ = count.row.size();
+    for (const std::uint32_t cell : todo)
+      if (left_[cell] == 0) push_ready(cell);
+    const std::size_t all = todo.size();
+    workers_.loop(workers_.threads(), 1, [&](std::size_t, unsigned) {
+      try {
+        while (!stop_ && work(count.row, all)) {
+        }
+      } catch (...) {
+        stop_ = true;
+        throw;
+      }
+    });
+    chunks_.clear();
+    if (stop_) throw Error(CONCEG_E_CANCELLED, "");
+  }
+
+  // One cell or one block; false when nothing is left to begin.
+  bool work(const std::vector<std::uint32_t> &rows, std::size_t all) {
+    std::uint32_t cell = 0;
+    if (pop_ready(cell)) {
+      make(cell);
+      return true;
+    }
+    const std::size_t next = next_row_.fetch_add(1);
+    if (next < rows.size()) {
+      march(rows[next]);
+      if (next % 64 == 0) tell();
+      return true;
+    }
+    if (taken_ == all) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1)); // others march the last blocks
+    return true;
+  }
+
+  void tell() {
+    const std::size_t done = std::min(next_row_.load(), rows_);
+    if (progress_ && !progress_(round_ ? "mesh: repair" : "mesh: surfaces", done, rows_)) stop_ = true;
+  }
+
+  void march(std::uint32_t row) {
+    static thread_local std::vector<ChunkFile::Marched> marched;
+    static thread_local std::vector<std::uint32_t> cells;
+    march_row(scene_, index_, row, options_.cluster, wanted_, apart_, marched, cells);
+    chunks_.add(marched);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    for (const std::uint32_t cell : cells)
+      if (--left_[cell] == 0) push_ready(cell);
+  }
+
+  // Large ones first, so that the last task is a small one.
+  void push_ready(std::uint32_t cell) {
+    ready_.emplace_back(chunks_.faces(cell), cell);
+    std::push_heap(ready_.begin(), ready_.end());
+  }
+
+  bool pop_ready(std::uint32_t &cell) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (ready_.empty()) return false;
+    std::pop_heap(ready_.begin(), ready_.end());
+    cell = ready_.back().second;
+    ready_.pop_back(), taken_++;
+    return true;
+  }
+
+  void make(std::uint32_t cell) {
+    std::vector<Chunk> chunks = chunks_.take(cell);
+    Surface base = join_cell(scene_, index_, cell, origins_.origin[cell], chunks, apart_[cell]);
+    chunks = {};
+    CellNotes notes;
+    notes.pieces = keep_soma_piece(base, origins_.soma[cell] - base.origin, origins_.soma_radius[cell] > 0);
+    notes.base_faces = base.face.size();
+    notes.whole_base = apart_[cell].whole, notes.base_node = apart_[cell].nodes();
+    result_.pieces[cell] = notes.pieces, faces_[cell] = notes.base_faces;
+    const auto keep_going = [&] {
+      tell();
+      return !stop_.load();
+    };
     if (options_.tolerance > 0 && !apart_[cell].whole && !base.face.empty())
       base = simplify(base, tolerances(base, cell), keep_going);
-    base.room = {};
-    made_[cell] = std::move(base);
+    if (!stop_) result_.file->add(base, round_ == 0 ? &notes : nullptr);
   }
 
   // How far simplification may move each vertex (README, equation 5): 0 next to nodes that keep the base
   // mesh.
   std::vector<float> tolerances(const Surface &base, std::uint32_t cell) const {
     std::vector<float> tolerance(base.vertex.size());
-    const double near = kLeastGap * options_.gap;
+    const double least = options_.gap / 6; // where the field is rough
     for (std::uint32_t v = 0; v < tolerance.size(); v++) {
-      const double free = 0.5 * (base.room[v] - near);
-      tolerance[v] = static_cast<float>(std::min(options_.tolerance, std::max(near * 0.5, free)));
+      tolerance[v] =
+          static_cast<float>(std::min(options_.tolerance, std::max(least, 0.5 * double(base.room[v]))));
       if (locked_.size() > cell && holds(locked_[cell], node_at(base.at(v)))) tolerance[v] = 0;
     }
     return tolerance;
@@ -100,48 +188,42 @@ private:
     return glm::ivec3(glm::floor(scene_.grid.voxel_of(position) + 0.5));
   }
 
-  // The surfaces of the first round find their places; later rounds replace them there.
-  void collect() {
-    for (std::uint32_t cell = 0; cell < scene_.cells; cell++) {
-      if (made_[cell].face.empty()) continue;
-      if (slot_[cell] == kNoSlot) slot_[cell] = result_.surfaces.size(), result_.surfaces.emplace_back();
-      result_.surfaces[slot_[cell]] = std::move(made_[cell]);
-      made_[cell] = Surface();
-    }
+  // A cell that has become its base mesh may meet a light neighbour: as long as one of two is light, it can
+  // go back.
+  bool can_retreat() const {
+    const auto light = [&](std::uint32_t surface) { return !apart_[result_.surfaces[surface].cell].whole; };
+    for (const Defect &defect : result_.check.defects)
+      if (light(defect.surface) || (is_pair(defect.flaw) && light(defect.other_surface))) return true;
+    return false;
   }
 
   // Takes the places of the defects back to the base mesh and tells which cells the next round makes again.
   std::vector<std::uint32_t> plan_repair(int width, bool last) {
     locked_.resize(scene_.cells);
-    std::vector<std::vector<NodeBox>> places(scene_.cells);
-    const auto mark = [&](std::uint32_t surface, std::uint32_t face, bool whole) {
-      const Surface &s = result_.surfaces[surface];
-      if (whole)
-        apart_[s.cell].whole = true;
-      else
-        places[s.cell].push_back(zone(s, face, width));
-    };
     std::vector<std::uint8_t> affected(scene_.cells);
+    const auto mark = [&](std::uint32_t surface, std::uint32_t face, bool whole) {
+      const SurfaceView &s = result_.surfaces[surface];
+      affected[s.cell] = 1;
+      if (whole) {
+        apart_[s.cell].whole = true;
+        return;
+      }
+      const NodeBox box = zone(s, face, width);
+      apart_[s.cell].add(box), locked_[s.cell].add(box);
+    };
     for (const Defect &defect : result_.check.defects) {
       const bool pair = is_pair(defect.flaw);
       mark(defect.surface, defect.face, last || !pair);
-      affected[result_.surfaces[defect.surface].cell] = 1;
-      if (!pair) continue;
-      mark(defect.other_surface, defect.other_face, last);
-      affected[result_.surfaces[defect.other_surface].cell] = 1;
+      if (pair) mark(defect.other_surface, defect.other_face, last);
     }
     std::vector<std::uint32_t> todo;
     for (std::uint32_t cell = 0; cell < scene_.cells; cell++)
       if (affected[cell]) todo.push_back(cell);
-    for (const std::uint32_t cell : todo)
-      for (const NodeBox &box : places[cell])
-        apart_[cell].add(box), locked_[cell].add(box);
-    march_again(scene_, index_, todo, apart_, places, workers_, chunks_);
     return todo;
   }
 
   // The nodes around a face, `width` steps and a half beyond its box.
-  NodeBox zone(const Surface &surface, std::uint32_t face, int width) const {
+  NodeBox zone(const SurfaceView &surface, std::uint32_t face, int width) const {
     const glm::uvec3 &f = surface.face[face];
     const glm::ivec3 a = node_at(surface.at(f.x)), b = node_at(surface.at(f.y)), c = node_at(surface.at(f.z));
     return {glm::min(glm::min(a, b), c) - width, glm::max(glm::max(a, b), c) + width};
@@ -154,12 +236,19 @@ private:
   const FinishOptions &options_;
   Workers &workers_;
   const Progress &progress_;
-  Chunks chunks_;
+  ChunkFile chunks_;
   std::vector<Apart> apart_;      // per cell: where the base mesh stands unclustered
   std::vector<Apart> locked_;     // per cell: where it is not simplified either; empty in the first round
-  std::vector<Surface> made_;     // per cell, of this round
   std::vector<std::size_t> slot_; // per cell: its row in the result
   std::vector<std::uint64_t> faces_;
+  int round_ = 0;
+  std::vector<std::uint8_t> wanted_;                           // per cell: is made in this round
+  std::vector<std::uint32_t> left_;                            // per cell: blocks to be marched
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> ready_; // heap of (faces, cell)
+  std::mutex mutex_;                                           // of left_ and ready_
+  std::atomic<std::size_t> next_row_{0}, taken_{0};
+  std::size_t rows_ = 0; // to be marched in this round
+  std::atomic<bool> stop_{false};
   Finished result_;
 };
 

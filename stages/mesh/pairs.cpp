@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Faces that follow one another lie near one another, so up to eight of them go through the hash as one leaf.
 #include "pairs.hpp"
 #include "distance.hpp"
 #include "predicates.hpp"
+#include "wide.hpp"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -9,135 +11,154 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <numeric>
-#include <tuple>
-#include <unordered_map>
+#include <cstring>
+#include <memory>
 
 namespace conceg::mesh {
 namespace {
 
-constexpr double kPlace = 1.1;             // edge of a hash cell over the mean size of a face with its margin
-constexpr std::size_t kSlab = 12u << 20;   // entries of the hash that are held at a time
-constexpr std::size_t kStretch = 1u << 15; // faces of one task
+constexpr std::uint32_t kLeaf = 8;         // faces
+constexpr double kPlace = 2.5;             // edge of a hash place over the mean size of a face
+constexpr std::size_t kStretch = 1u << 14; // faces of one task
+constexpr double kClearly = 1e-12;         // relative; a plane test is off by 1e-15
 
 struct Bounds {
-  glm::dvec3 low, high;
+  glm::dvec3 low{1e300}, high{-1e300};
+  void add(const Bounds &b) { low = glm::min(low, b.low), high = glm::max(high, b.high); }
 };
 
-struct HashEntry {
-  std::uint64_t place; // hash cell in the base box
-  std::uint32_t surface, face;
-  std::int16_t lift[3]; // subtract lift * side to bring the face into the base box
+// Faces first .. first + count of one surface.
+struct Leaf {
+  std::uint32_t first = 0, count = 0;
+  Bounds whole;
+  std::array<Bounds, kLeaf> face;
 };
 
-bool operator<(const HashEntry &l, const HashEntry &r) {
-  return std::tie(l.place, l.surface, l.face, l.lift[2], l.lift[1], l.lift[0]) <
-         std::tie(r.place, r.surface, r.face, r.lift[2], r.lift[1], r.lift[0]);
-}
+// A leaf in the slab, moved by -lift sides into the base box. Boxes are relative to its low corner and
+// rounded outwards.
+struct Item {
+  glm::ivec3 first, last; // hash places of the box with its margin
+  std::uint32_t surface, face, count;
+  std::int16_t lift[3];
+  float low[3], high[3];
+  float face_low[3][kLeaf], face_high[3][kLeaf];
+};
 
-std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) {
-  return std::uint64_t(std::min(a, b)) << 32 | std::max(a, b);
+struct Stretch {
+  std::uint32_t surface, first, last; // faces
+  int low = 0, high = 0;              // layers of hash places, unwrapped
+};
+
+using Triangle = glm::dvec3[3];
+
+// Which faces of two leaves have boxes that meet, or that are no farther apart than `far` along any axis: one
+// byte a pair.
+struct BoxPairs {
+  std::uint8_t meet[kLeaf][kLeaf], near[kLeaf][kLeaf];
+};
+
+WIDE void compare_boxes(const Item &a, const Item &b, float far, BoxPairs &out) {
+  const float farther = far > 0 ? far : 0;
+  for (std::uint32_t i = 0; i < kLeaf; i++) {
+    bool beyond = false; // the whole leaf
+    for (int axis = 0; axis < 3; axis++)
+      beyond |=
+          (a.face_low[axis][i] - b.high[axis] > farther) | (b.low[axis] - a.face_high[axis][i] > farther);
+    if (beyond) {
+      std::memset(out.meet[i], 0, kLeaf), std::memset(out.near[i], 0, kLeaf);
+      continue;
+    }
+    for (std::uint32_t j = 0; j < kLeaf; j++) {
+      float d = -1e30f;
+      for (int axis = 0; axis < 3; axis++) {
+        const float above = a.face_low[axis][i] - b.face_high[axis][j],
+                    below = b.face_low[axis][j] - a.face_high[axis][i];
+        d = above > d ? above : d;
+        d = below > d ? below : d;
+      }
+      out.meet[i][j] = d <= 0, out.near[i][j] = d <= far;
+    }
+  }
 }
 
 class PairCheck {
 public:
-  PairCheck(const std::vector<Surface> &surfaces, const std::vector<std::uint8_t> &usable,
-            const std::vector<std::uint8_t> &changed, const conceg_box &box, const CheckOptions &options,
-            Workers &workers, const Progress &progress)
-      : surfaces_(surfaces), usable_(usable), changed_(changed), box_(box), options_(options),
-        workers_(workers), progress_(progress), margin_(0.5 * kGapReach * options.gap),
-        far2_(4 * margin_ * margin_) {}
+  PairCheck(const Views &surfaces, const std::vector<std::uint8_t> &changed, const conceg_box &box,
+            const CheckOptions &options, Workers &workers, const Progress &progress, CheckResult &result)
+      : surfaces_(surfaces), changed_(changed), box_(box), options_(options), workers_(workers),
+        progress_(progress), result_(result), margin_(0.5 * options.reach),
+        least2_(options.least_gap * options.least_gap),
+        all_changed_(std::all_of(changed.begin(), changed.end(), [](std::uint8_t c) { return c != 0; })) {}
 
-  void run(CheckResult &result) {
-    list_stretches();
+  void run() {
     choose_places();
+    list_stretches();
     worker_.resize(workers_.threads());
+    for (Worker &worker : worker_)
+      worker.gap2.assign(surfaces_.size(), options_.reach * options_.reach);
     for (int first = 0; first < places_.z;) {
-      const int last = end_of_slab(first);
-      hash_slab(first, last);
-      mark_changed();
-      workers_.loop(run_.empty() ? 0 : run_.size() - 1, 256, [&](std::size_t i, unsigned worker) {
-        if (worth_[i]) check_place(run_[i], run_[i + 1], worker_[worker]);
-      });
-      report(progress_, "mesh: check", static_cast<std::uint64_t>(last),
+      slab_low_ = first, slab_high_ = end_of_slab(first);
+      check_slab();
+      if (options_.forget) options_.forget();
+      report(progress_, "mesh: check", static_cast<std::uint64_t>(slab_high_),
              static_cast<std::uint64_t>(places_.z));
-      first = last;
+      first = slab_high_;
     }
     for (const Worker &worker : worker_) {
-      result.pairs_checked += worker.pairs;
-      result.defects.insert(result.defects.end(), worker.found.begin(), worker.found.end());
-      for (const auto &[key, gap2] : worker.gap2)
-        result.gaps.push_back({static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key), gap2});
+      result_.pairs_checked += worker.pairs;
+      result_.defects.insert(result_.defects.end(), worker.found.begin(), worker.found.end());
+      for (std::size_t s = 0; s < surfaces_.size(); s++)
+        result_.min_gap[s] = std::min(result_.min_gap[s], std::sqrt(worker.gap2[s]));
     }
   }
 
 private:
-  struct Item {
-    glm::dvec3 low, high; // in the base box, with the margin
-    glm::ivec3 first;     // lowest hash cell
-    std::uint32_t surface, face;
-    glm::ivec3 lift;
-  };
   struct Worker {
     std::vector<Item> item;
-    std::array<std::vector<float>, 6>
-        side; // low and high of the items, around the hash cell, rounded outwards
-    std::vector<std::uint8_t> meets;
+    std::vector<const Item *> here;
     std::vector<Defect> found;
-    std::unordered_map<std::uint64_t, double> gap2; // per pair of surfaces: smallest squared gap so far
-    std::uint64_t pairs = 0, last_key = ~std::uint64_t(0);
-    double *last = nullptr; // references into the map stay good
-    double &gap(std::uint32_t a, std::uint32_t b, double far2) {
-      const std::uint64_t key = pair_key(a, b);
-      if (key != last_key) last = &gap2.emplace(key, far2).first->second, last_key = key;
-      return *last;
-    }
-  };
-  struct Stretch {
-    std::uint32_t surface, first, last; // faces
+    std::vector<double> gap2; // per surface: smallest squared gap so far
+    std::uint64_t pairs = 0;
   };
 
-  void corners(std::uint32_t surface, std::uint32_t face, glm::dvec3 (&out)[3]) const {
-    const Surface &s = surfaces_[surface];
+  void corners(std::uint32_t surface, std::uint32_t face, Triangle &out) const {
+    const SurfaceView &s = surfaces_[surface];
     const glm::uvec3 &f = s.face[face];
     out[0] = s.at(f.x), out[1] = s.at(f.y), out[2] = s.at(f.z);
   }
 
   Bounds bounds(std::uint32_t surface, std::uint32_t face) const {
-    glm::dvec3 p[3];
+    Triangle p;
     corners(surface, face, p);
-    return {glm::min(glm::min(p[0], p[1]), p[2]) - margin_, glm::max(glm::max(p[0], p[1]), p[2]) + margin_};
+    return bounds_of(p);
   }
 
-  void list_stretches() {
-    for (std::uint32_t s = 0; s < surfaces_.size(); s++)
-      for (std::size_t f = 0; usable_[s] && f < surfaces_[s].face.size(); f += kStretch)
-        stretch_.push_back({s, static_cast<std::uint32_t>(f),
-                            static_cast<std::uint32_t>(std::min(f + kStretch, surfaces_[s].face.size()))});
-  }
-
-  // Hash cells about as large as a face, that divide periodic sides.
+  // Hash places a few faces wide, that divide periodic sides.
   void choose_places() {
-    double sum = 0;
-    std::uint64_t faces = 0;
     low_ = glm::dvec3(box_.lo[0], box_.lo[1], box_.lo[2]);
     glm::dvec3 high(box_.hi[0], box_.hi[1], box_.hi[2]);
+    const bool open = !box_.periodic[0] || !box_.periodic[1] || !box_.periodic[2];
+    double sum = 0;
+    std::uint64_t faces = 0;
     for (std::uint32_t s = 0; s < surfaces_.size(); s++) {
-      if (!usable_[s]) continue;
-      for (std::uint32_t f = 0; f < surfaces_[s].face.size(); f++) {
+      if (!result_.usable[s]) continue;
+      for (std::uint32_t f = 0; f < surfaces_[s].faces; f += 61) {
         const Bounds b = bounds(s, f);
         const glm::dvec3 size = b.high - b.low;
-        sum += std::max({size.x, size.y, size.z});
+        sum += std::max({size.x, size.y, size.z}), faces++;
+      }
+      for (std::uint32_t v = 0; open && v < surfaces_[s].vertices; v++) {
+        const glm::dvec3 p = surfaces_[s].at(v);
         for (int axis = 0; axis < 3; axis++)
           if (!box_.periodic[axis])
-            low_[axis] = std::min(low_[axis], b.low[axis]), high[axis] = std::max(high[axis], b.high[axis]);
+            low_[axis] = std::min(low_[axis], p[axis] - margin_),
+            high[axis] = std::max(high[axis], p[axis] + margin_);
       }
-      faces += surfaces_[s].face.size();
     }
-    const double wanted = faces ? std::max(kPlace * sum / double(faces), 1e-3) : 1.0;
+    edge_ = faces ? std::max(kPlace * sum / double(faces) + margin_, 1e-3) : 1.0;
     for (int axis = 0; axis < 3; axis++) {
       const double side = high[axis] - low_[axis];
-      places_[axis] = static_cast<int>(std::min(double(1 << 20), std::max(1.0, std::floor(side / wanted))));
+      places_[axis] = static_cast<int>(std::min(double(1 << 20), std::max(1.0, std::floor(side / edge_))));
       inverse_[axis] = places_[axis] / side;
       side_[axis] = side;
     }
@@ -152,28 +173,45 @@ private:
     return place;
   }
 
-  // Layers [first, end) whose entries fit into one slab; counts the entries of all layers the first time.
-  int end_of_slab(int first) {
-    if (layer_.empty()) count_layers();
-    std::size_t sum = layer_[static_cast<std::size_t>(first)];
-    int end = first + 1;
-    while (end < places_.z && sum + layer_[static_cast<std::size_t>(end)] <= kSlab)
-      sum += layer_[static_cast<std::size_t>(end++)];
-    return end;
+  int lift_of(int place, int axis) const {
+    return place >= 0 ? place / places_[axis] : -((places_[axis] - 1 - place) / places_[axis]);
   }
 
-  void count_layers() {
+  template <class Use> void each_leaf(const Stretch &stretch, const Use &use) const {
+    Leaf leaf;
+    for (std::uint32_t f = stretch.first; f < stretch.last; f++) {
+      const Bounds b = bounds(stretch.surface, f);
+      Bounds grown = leaf.whole;
+      grown.add(b);
+      const glm::dvec3 size = grown.high - grown.low;
+      if (leaf.count == kLeaf || (leaf.count && std::max({size.x, size.y, size.z}) > edge_)) {
+        use(leaf);
+        leaf.count = 0, grown = b;
+      }
+      if (leaf.count == 0) leaf.first = f;
+      leaf.whole = grown, leaf.face[leaf.count++] = b;
+    }
+    if (leaf.count) use(leaf);
+  }
+
+  // The stretches with the layers that they reach, and how many leaves each layer holds.
+  void list_stretches() {
+    for (std::uint32_t s = 0; s < surfaces_.size(); s++)
+      for (std::size_t f = 0; result_.usable[s] && f < surfaces_[s].faces; f += kStretch)
+        stretch_.push_back({s, static_cast<std::uint32_t>(f),
+                            static_cast<std::uint32_t>(std::min(f + kStretch, surfaces_[s].faces))});
     std::vector<std::vector<std::uint32_t>> counts(workers_.threads());
     for (auto &count : counts)
       count.resize(static_cast<std::size_t>(places_.z));
     workers_.loop(stretch_.size(), 1, [&](std::size_t i, unsigned worker) {
-      for (std::uint32_t f = stretch_[i].first; f < stretch_[i].last; f++) {
-        const Bounds b = bounds(stretch_[i].surface, f);
-        const glm::ivec3 from = place_of(b.low), to = place_of(b.high);
-        const auto layer = static_cast<std::uint32_t>((to.x - from.x + 1) * (to.y - from.y + 1));
-        for (int z = from.z; z <= to.z; z++)
-          counts[worker][static_cast<std::size_t>(z - lift_of(z, 2) * places_.z)] += layer;
-      }
+      Bounds whole;
+      each_leaf(stretch_[i], [&](const Leaf &leaf) {
+        whole.add(leaf.whole);
+        const int from = place_of(leaf.whole.low - margin_).z, to = place_of(leaf.whole.high + margin_).z;
+        for (int z = from; z <= to; z++)
+          counts[worker][static_cast<std::size_t>(z - lift_of(z, 2) * places_.z)]++;
+      });
+      stretch_[i].low = place_of(whole.low - margin_).z, stretch_[i].high = place_of(whole.high + margin_).z;
     });
     layer_.resize(static_cast<std::size_t>(places_.z));
     for (const auto &count : counts)
@@ -181,238 +219,275 @@ private:
         layer_[z] += count[z];
   }
 
-  int lift_of(int place, int axis) const {
-    return place >= 0 ? place / places_[axis] : -((places_[axis] - 1 - place) / places_[axis]);
+  // Layers [first, end) whose leaves fit into the memory.
+  int end_of_slab(int first) const {
+    // Lists double as they grow, and for a moment stand beside their old selves.
+    const std::size_t most = options_.memory / (3 * sizeof(Item) + 8 * sizeof(Item *));
+    std::size_t sum = layer_[static_cast<std::size_t>(first)];
+    int end = first + 1;
+    while (end < places_.z && sum + layer_[static_cast<std::size_t>(end)] <= most)
+      sum += layer_[static_cast<std::size_t>(end++)];
+    return end;
   }
 
-  // Entries of the layers [first, last), sorted; layers are independent tasks.
-  void hash_slab(int first, int last) {
-    std::vector<std::vector<HashEntry>> parts(stretch_.size());
-    workers_.loop(stretch_.size(), 1, [&](std::size_t i, unsigned) {
-      for (std::uint32_t f = stretch_[i].first; f < stretch_[i].last; f++)
-        hash_face(stretch_[i].surface, f, first, last, parts[i]);
-    });
-    const auto layer_size = static_cast<std::uint64_t>(places_.x) * static_cast<std::uint64_t>(places_.y);
-    const auto layer_of = [&](const HashEntry &e) {
-      return e.place / layer_size - static_cast<std::uint64_t>(first);
-    };
-    const auto layers = static_cast<std::size_t>(last - first);
-    std::vector<std::size_t> start(layers + 1);
-    for (int z = first; z < last; z++)
-      start[static_cast<std::size_t>(z - first) + 1] =
-          start[static_cast<std::size_t>(z - first)] + layer_[static_cast<std::size_t>(z)];
-    entry_.resize(start.back());
-    std::vector<std::size_t> next(start.begin(), start.end() - 1);
-    for (auto &part : parts) {
-      for (const HashEntry &entry : part)
-        entry_[next[layer_of(entry)]++] = entry;
-      part = {};
+  bool meets_slab(const Stretch &stretch) const {
+    for (int lift = lift_of(stretch.low, 2); lift <= lift_of(stretch.high, 2); lift++)
+      if (stretch.low - lift * places_.z < slab_high_ && stretch.high - lift * places_.z >= slab_low_)
+        return true;
+    return false;
+  }
+
+  std::size_t place_number(int x, int y, int z) const {
+    return (static_cast<std::size_t>(z - slab_low_) * static_cast<std::size_t>(places_.y) +
+            static_cast<std::size_t>(y)) *
+               static_cast<std::size_t>(places_.x) +
+           static_cast<std::size_t>(x);
+  }
+
+  // The places of an item that lie in the base box and in the slab.
+  template <class Use> void each_place(const Item &item, const Use &use) const {
+    const glm::ivec3 from = glm::max(item.first, glm::ivec3(0, 0, slab_low_)),
+                     to = glm::min(item.last, glm::ivec3(places_.x - 1, places_.y - 1, slab_high_ - 1));
+    for (int z = from.z; z <= to.z; z++)
+      for (int y = from.y; y <= to.y; y++)
+        for (int x = from.x; x <= to.x; x++)
+          use(place_number(x, y, z));
+  }
+
+  void check_slab() {
+    const std::size_t places = place_number(0, 0, slab_high_);
+    start_ = std::make_unique<std::atomic<std::uint32_t>[]>(places + 1);
+    marked_.clear();
+    if (!all_changed_) {
+      marked_.assign(places, 0);
+      collect(true), collect(false);
+    } else {
+      collect(true);
     }
-    workers_.loop(layers, 1, [&](std::size_t layer, unsigned) {
-      std::sort(entry_.begin() + static_cast<std::ptrdiff_t>(start[layer]),
-                entry_.begin() + static_cast<std::ptrdiff_t>(start[layer + 1]));
+    std::uint32_t sum = 0;
+    for (std::size_t p = 0; p <= places; p++)
+      sum += start_[p], start_[p] = sum;
+    entry_.resize(sum);
+    // Each place ends where the next begins; filling backwards leaves its beginning.
+    for (const Worker &from : worker_)
+      workers_.loop(from.item.size(), 1024, [&](std::size_t i, unsigned) {
+        each_place(from.item[i], [&](std::size_t p) {
+          entry_[start_[p].fetch_sub(1, std::memory_order_relaxed) - 1] = &from.item[i];
+        });
+      });
+    workers_.loop(places, 64, [&](std::size_t p, unsigned worker) {
+      const std::size_t first = start_[p], last = start_[p + 1];
+      if (first < last && (all_changed_ || marked_[p])) check_place(p, first, last, worker_[worker]);
     });
-    run_.clear();
-    for (std::size_t i = 0; i < entry_.size(); i++)
-      if (i == 0 || entry_[i].place != entry_[i - 1].place) run_.push_back(i);
-    run_.push_back(entry_.size());
+    for (Worker &worker : worker_)
+      worker.item.clear();
   }
 
-  void hash_face(std::uint32_t surface, std::uint32_t face, int first_layer, int last_layer,
-                 std::vector<HashEntry> &out) const {
-    const Bounds b = bounds(surface, face);
-    const glm::ivec3 first = place_of(b.low), last = place_of(b.high);
-    for (int z = first.z; z <= last.z; z++) {
-      const int layer = z - lift_of(z, 2) * places_.z;
-      if (layer < first_layer || layer >= last_layer) continue;
-      for (int y = first.y; y <= last.y; y++)
-        for (int x = first.x; x <= last.x; x++) {
-          const int at[3] = {x, y, z};
-          HashEntry entry = {0, surface, face, {0, 0, 0}};
-          for (int axis = 2; axis >= 0; axis--) {
-            const int lift = lift_of(at[axis], axis);
-            entry.lift[axis] = static_cast<std::int16_t>(lift);
-            entry.place = entry.place * static_cast<std::uint64_t>(places_[axis]) +
-                          static_cast<std::uint64_t>(at[axis] - lift * places_[axis]);
-          }
-          out.push_back(entry);
+  // Leaves of the slab, counted at their places; of old surfaces only those near a new one.
+  void collect(bool changed) {
+    workers_.loop(stretch_.size(), 1, [&](std::size_t i, unsigned worker) {
+      const Stretch &stretch = stretch_[i];
+      if ((changed_[stretch.surface] != 0) != changed || !meets_slab(stretch)) return;
+      each_leaf(stretch,
+                [&](const Leaf &leaf) { place_leaf(stretch.surface, leaf, changed, worker_[worker]); });
+    });
+  }
+
+  void place_leaf(std::uint32_t surface, const Leaf &leaf, bool changed, Worker &worker) {
+    const glm::ivec3 from = place_of(leaf.whole.low - margin_), to = place_of(leaf.whole.high + margin_);
+    for (int lz = lift_of(from.z, 2); lz <= lift_of(to.z, 2); lz++) {
+      if (from.z - lz * places_.z >= slab_high_ || to.z - lz * places_.z < slab_low_) continue;
+      for (int ly = lift_of(from.y, 1); ly <= lift_of(to.y, 1); ly++)
+        for (int lx = lift_of(from.x, 0); lx <= lift_of(to.x, 0); lx++) {
+          const glm::ivec3 lift(lx, ly, lz);
+          Item item = {};
+          item.first = from - lift * places_, item.last = to - lift * places_;
+          if (!changed && !near_changed(item)) continue;
+          fill(item, surface, leaf, lift);
+          each_place(item, [&](std::size_t p) {
+            start_[p].fetch_add(1, std::memory_order_relaxed);
+            if (changed && !marked_.empty()) __atomic_store_n(&marked_[p], 1, __ATOMIC_RELAXED);
+          });
+          worker.item.push_back(item);
         }
     }
   }
 
-  // Only places with a face that is new need a look.
-  void mark_changed() {
-    worth_.assign(run_.size(), 0);
-    for (std::size_t i = 0; i + 1 < run_.size(); i++)
-      for (std::size_t e = run_[i]; e < run_[i + 1] && !worth_[i]; e++)
-        worth_[i] = changed_[entry_[e].surface];
+  bool near_changed(const Item &item) const {
+    bool found = false;
+    each_place(item, [&](std::size_t p) { found |= marked_[p] != 0; });
+    return found;
   }
 
-  void check_place(std::size_t first, std::size_t last, Worker &worker) const {
-    const std::uint64_t place = entry_[first].place;
-    const auto nx = static_cast<std::uint64_t>(places_.x), ny = static_cast<std::uint64_t>(places_.y);
+  void fill(Item &item, std::uint32_t surface, const Leaf &leaf, const glm::ivec3 &lift) const {
+    item.surface = surface, item.face = leaf.first, item.count = leaf.count;
+    const glm::dvec3 shift = low_ + glm::dvec3(lift) * side_;
+    const auto down = [](double v) { return static_cast<float>(v - 1e-7 * (1 + std::fabs(v))); };
+    const auto up = [](double v) { return static_cast<float>(v + 1e-7 * (1 + std::fabs(v))); };
+    for (int axis = 0; axis < 3; axis++) {
+      item.lift[axis] = static_cast<std::int16_t>(lift[axis]);
+      item.low[axis] = down(leaf.whole.low[axis] - shift[axis]);
+      item.high[axis] = up(leaf.whole.high[axis] - shift[axis]);
+      for (std::uint32_t f = 0; f < kLeaf; f++) {
+        item.face_low[axis][f] = f < leaf.count ? down(leaf.face[f].low[axis] - shift[axis]) : 1e30f;
+        item.face_high[axis][f] = f < leaf.count ? up(leaf.face[f].high[axis] - shift[axis]) : -1e30f;
+      }
+    }
+  }
+
+  void check_place(std::size_t place, std::size_t first, std::size_t last, Worker &worker) const {
+    const auto nx = static_cast<std::size_t>(places_.x), ny = static_cast<std::size_t>(places_.y);
     const glm::ivec3 here(static_cast<int>(place % nx), static_cast<int>(place / nx % ny),
-                          static_cast<int>(place / (nx * ny)));
-    fill_items(first, last, here, worker);
-    const std::size_t count = worker.item.size();
-    for (std::size_t i = 0; i + 1 < count; i++) {
-      find_meeting(i, count, worker);
-      for (std::size_t j = i + 1; j < count; j++) {
-        if (!worker.meets[j]) continue;
-        const Item &a = worker.item[i], &b = worker.item[j];
-        if (!changed_[a.surface] && !changed_[b.surface]) continue;
-        if (a.low.x > b.high.x || b.low.x > a.high.x || a.low.y > b.high.y || b.low.y > a.high.y ||
-            a.low.z > b.high.z || b.low.z > a.high.z)
-          continue;
-        // Each pair once: in the hash cell of the lower corner of what the two boxes share.
-        if (glm::max(a.first, b.first) != here) continue;
-        check_pair(a, b, worker);
-      }
-    }
-  }
-
-  void fill_items(std::size_t first, std::size_t last, const glm::ivec3 &here, Worker &worker) const {
-    worker.item.clear();
-    for (auto &side : worker.side)
-      side.resize(last - first);
-    worker.meets.resize(last - first);
-    const glm::dvec3 corner = low_ + glm::dvec3(here) / inverse_;
+                          static_cast<int>(place / (nx * ny)) + slab_low_);
+    const float reach = static_cast<float>(options_.reach * (1 + 1e-6));
     for (std::size_t i = first; i < last; i++) {
-      const HashEntry &e = entry_[i];
-      const Bounds b = bounds(e.surface, e.face);
-      const glm::ivec3 lift(e.lift[0], e.lift[1], e.lift[2]);
-      const glm::dvec3 shift = glm::dvec3(lift) * side_;
-      worker.item.push_back(
-          {b.low - shift, b.high - shift, place_of(b.low) - lift * places_, e.surface, e.face, lift});
-      const Item &item = worker.item.back();
-      for (int axis = 0; axis < 3; axis++) {
-        const double low = item.low[axis] - corner[axis], high = item.high[axis] - corner[axis];
-        worker.side[static_cast<std::size_t>(axis)][i - first] =
-            static_cast<float>(low - 1e-6 * (1 + std::fabs(low)));
-        worker.side[static_cast<std::size_t>(axis + 3)][i - first] =
-            static_cast<float>(high + 1e-6 * (1 + std::fabs(high)));
+      const Item &a = *entry_[i];
+      if (a.first == here && changed_[a.surface]) check_faces(a, a, true, worker);
+      for (std::size_t j = i + 1; j < last; j++) {
+        const Item &b = *entry_[j];
+        if (!changed_[a.surface] && !changed_[b.surface]) continue;
+        const bool same = a.surface == b.surface && std::equal(a.lift, a.lift + 3, b.lift);
+        const float far = same ? 0 : reach;
+        if (a.low[0] - b.high[0] > far || b.low[0] - a.high[0] > far || a.low[1] - b.high[1] > far ||
+            b.low[1] - a.high[1] > far || a.low[2] - b.high[2] > far || b.low[2] - a.high[2] > far)
+          continue;
+        // Each pair once: in the place of the lower corner of what the two boxes share.
+        if (glm::max(a.first, b.first) == here) check_faces(a, b, same, worker);
       }
     }
   }
 
-  // Marks the items after i whose boxes may meet that of i.
-  static void find_meeting(std::size_t i, std::size_t count, Worker &worker) {
-    const float *lx = worker.side[0].data(), *ly = worker.side[1].data(), *lz = worker.side[2].data(),
-                *hx = worker.side[3].data(), *hy = worker.side[4].data(), *hz = worker.side[5].data();
-    const float ax = lx[i], ay = ly[i], az = lz[i], bx = hx[i], by = hy[i], bz = hz[i];
-    std::uint8_t *meets = worker.meets.data();
-    for (std::size_t j = i + 1; j < count; j++)
-      meets[j] = static_cast<std::uint8_t>((lx[j] <= bx) & (ly[j] <= by) & (lz[j] <= bz) & (hx[j] >= ax) &
-                                           (hy[j] >= ay) & (hz[j] >= az));
+  void check_faces(const Item &a, const Item &b, bool same, Worker &worker) const {
+    // What is farther than the gaps found so far tells nothing new.
+    const double bound2 = std::max({worker.gap2[a.surface], worker.gap2[b.surface], least2_});
+    BoxPairs pairs;
+    compare_boxes(a, b, same ? 0 : static_cast<float>(std::sqrt(bound2) * (1 + 1e-6)), pairs);
+    for (std::uint32_t i = 0; i < a.count; i++) {
+      std::uint64_t meet, near, later = ~std::uint64_t(0);
+      std::memcpy(&meet, pairs.meet[i], 8), std::memcpy(&near, pairs.near[i], 8);
+      if (&a == &b) later = i == kLeaf - 1 ? 0 : later << 8 * (i + 1);
+      worker.pairs += static_cast<unsigned>(__builtin_popcountll(meet & later));
+      for (near &= later; near; near &= near - 1)
+        check_pair(a, a.face + i, b, b.face + static_cast<std::uint32_t>(__builtin_ctzll(near) / 8), worker);
+    }
   }
 
-  void check_pair(const Item &a, const Item &b, Worker &worker) const {
-    glm::dvec3 p[3], q[3];
-    corners(a.surface, a.face, p);
-    corners(b.surface, b.face, q);
-    const glm::ivec3 lift = a.lift - b.lift;
-    if (lift != glm::ivec3(0))
-      for (glm::dvec3 &corner : q)
-        corner += glm::dvec3(lift) * side_;
-    const bool same = a.surface == b.surface && lift == glm::ivec3(0);
-    if (!touching_boxes(a, b)) { // within the margin only
-      if (!same) measure(a, b, p, q, worker);
+  // In an order of their own, whatever order they came in.
+  void check_pair(const Item &a, std::uint32_t face, const Item &b, std::uint32_t other,
+                  Worker &worker) const {
+    const glm::ivec3 lift(a.lift[0] - b.lift[0], a.lift[1] - b.lift[1], a.lift[2] - b.lift[2]);
+    const bool turn = a.surface != b.surface ? b.surface < a.surface
+                      : face != other        ? other < face
+                      : lift.z != 0          ? lift.z < 0
+                      : lift.y != 0          ? lift.y < 0
+                                             : lift.x < 0;
+    if (turn)
+      judge({Flaw::near, b.surface, other, a.surface, face, -lift, {}}, worker);
+    else
+      judge({Flaw::near, a.surface, face, b.surface, other, lift, {}}, worker);
+  }
+
+  void judge(Defect pair, Worker &worker) const {
+    if (pair.surface == pair.other_surface && pair.lift == glm::ivec3(0)) {
+      judge_neighbours(pair, worker);
       return;
     }
-    worker.pairs++;
-    if (same) {
-      check_neighbours(a, b, p, q, worker);
-    } else if (triangles_meet(p, q)) {
-      worker.gap(a.surface, b.surface, far2_) = 0;
-      add(a.surface == b.surface ? Flaw::crossing_image : Flaw::crossing_cells, a, b, p, worker);
-    } else {
-      measure(a, b, p, q, worker);
+    Triangle p, q;
+    corners(pair.surface, pair.face, p);
+    corners(pair.other_surface, pair.other_face, q);
+    for (glm::dvec3 &corner : q)
+      corner += glm::dvec3(pair.lift) * side_;
+    double &gap2 = worker.gap2[pair.surface], &other_gap2 = worker.gap2[pair.other_surface];
+    const double bound2 = std::max({gap2, other_gap2, least2_});
+    if (is_beside(p, q, bound2) || is_beside(q, p, bound2)) return;
+    if (meet(p, q)) {
+      gap2 = other_gap2 = 0;
+      pair.flaw = pair.surface == pair.other_surface ? Flaw::crossing_image : Flaw::crossing_cells;
+      add(pair, p, q, worker);
+      return;
     }
-  }
-
-  bool touching_boxes(const Item &a, const Item &b) const {
-    for (int axis = 0; axis < 3; axis++)
-      if (a.low[axis] > b.high[axis] - 2 * margin_ + 1e-9 || b.low[axis] > a.high[axis] - 2 * margin_ + 1e-9)
-        return false;
-    return true;
+    const double distance2 = triangle_distance2(p, q);
+    gap2 = std::min(gap2, distance2), other_gap2 = std::min(other_gap2, distance2);
+    if (distance2 < least2_) add(pair, p, q, worker);
   }
 
   // Faces of one surface: common vertices (by number) come first, then what else they share is asked.
-  void check_neighbours(const Item &a, const Item &b, glm::dvec3 (&p)[3], glm::dvec3 (&q)[3],
-                        Worker &worker) const {
-    const glm::uvec3 &f = surfaces_[a.surface].face[a.face], &g = surfaces_[b.surface].face[b.face];
+  void judge_neighbours(Defect &pair, Worker &worker) const {
+    const SurfaceView &s = surfaces_[pair.surface];
+    const Bits &plain = result_.plain[pair.surface];
+    glm::uvec3 f = s.face[pair.face], g = s.face[pair.other_face];
+    for (int i = 0; i < 3; i++)
+      if (((f[i] == g.x) | (f[i] == g.y) | (f[i] == g.z)) && plain[f[i]]) return;
     int common = 0;
-    std::array<std::uint32_t, 3> left = {f.x, f.y, f.z}, right = {g.x, g.y, g.z};
     for (int i = 0; i < 3; i++)
       for (int j = common; j < 3; j++)
-        if (i >= common && left[i] == right[j]) {
-          std::swap(left[common], left[i]), std::swap(p[common], p[i]);
-          std::swap(right[common], right[j]), std::swap(q[common], q[j]);
+        if (i >= common && f[i] == g[j]) {
+          std::swap(f[common], f[i]), std::swap(g[common], g[j]);
           common++;
           break;
         }
-    if (common == 0   ? triangles_meet(p, q)
-        : common == 1 ? meet_beyond_vertex(p, q)
-        : common == 2 ? meet_beyond_edge(p, q)
-                      : true)
-      add(common ? Flaw::fold : Flaw::crossing_self, a, b, p, worker);
+    const Triangle p = {s.at(f.x), s.at(f.y), s.at(f.z)}, q = {s.at(g.x), s.at(g.y), s.at(g.z)};
+    if (common == 0   ? !meet(p, q)
+        : common == 1 ? !meet_beyond_vertex(p, q)
+        : common == 2 ? !meet_beyond_edge(p, q)
+                      : false)
+      return;
+    pair.flaw = common ? Flaw::fold : Flaw::crossing_self;
+    add(pair, p, q, worker);
   }
 
-  void measure(const Item &a, const Item &b, const glm::dvec3 (&p)[3], const glm::dvec3 (&q)[3],
-               Worker &worker) const {
-    if (!(options_.gap > 0)) return;
-    double &gap2 = worker.gap(a.surface, b.surface, far2_);
-    const double least2 = options_.least_gap * options_.least_gap, bound = std::max(gap2, least2);
-    double apart2 = 0;
-    for (int axis = 0; axis < 3; axis++) {
-      const double apart =
-          std::max(0.0, std::max(a.low[axis] - b.high[axis], b.low[axis] - a.high[axis]) + 2 * margin_);
-      apart2 += apart * apart;
-    }
-    if (apart2 >= bound || beside_plane(p, q, bound) || beside_plane(q, p, bound)) return;
-    const double distance2 = triangle_distance2(p, q);
-    gap2 = std::min(gap2, distance2);
-    if (distance2 < least2) add(Flaw::near, a, b, p, worker);
+  static bool meet(const Triangle &p, const Triangle &q) {
+    return !is_beside(p, q, 0) && !is_beside(q, p, 0) && triangles_meet(p, q);
   }
 
-  // All of q lies on one side of the plane of p, no nearer than sqrt(bound2).
-  static bool beside_plane(const glm::dvec3 (&p)[3], const glm::dvec3 (&q)[3], double bound2) {
-    const glm::dvec3 normal = cross_product(p[1] - p[0], p[2] - p[0]);
-    const double d0 = glm::dot(normal, q[0] - p[0]), d1 = glm::dot(normal, q[1] - p[0]),
-                 d2 = glm::dot(normal, q[2] - p[0]);
+  // All of q lies clearly on one side of the plane of p, no nearer than sqrt(bound2).
+  static bool is_beside(const Triangle &p, const Triangle &q, double bound2) {
+    const glm::dvec3 e = p[1] - p[0], f = p[2] - p[0], normal = cross_product(e, f);
+    const glm::dvec3 w0 = q[0] - p[0], w1 = q[1] - p[0], w2 = q[2] - p[0];
+    const double d0 = glm::dot(normal, w0), d1 = glm::dot(normal, w1), d2 = glm::dot(normal, w2);
     const double low = std::min({d0, d1, d2}), high = std::max({d0, d1, d2});
     const double nearest = low > 0 ? low : high < 0 ? -high : 0;
-    return nearest * nearest >= bound2 * glm::dot(normal, normal) * (1 + 1e-9);
+    const double doubt2 = kClearly * kClearly * glm::dot(e, e) * glm::dot(f, f) *
+                          std::max({glm::dot(w0, w0), glm::dot(w1, w1), glm::dot(w2, w2)});
+    return nearest * nearest > std::max(doubt2, bound2 * glm::dot(normal, normal) * (1 + 1e-9));
   }
 
-  void add(Flaw flaw, const Item &a, const Item &b, const glm::dvec3 (&p)[3], Worker &worker) const {
-    worker.found.push_back(
-        {flaw, a.surface, a.face, b.surface, b.face, a.lift - b.lift, (p[0] + p[1] + p[2]) / 3.0});
+  static Bounds bounds_of(const Triangle &p) {
+    return {glm::min(glm::min(p[0], p[1]), p[2]), glm::max(glm::max(p[0], p[1]), p[2])};
   }
 
-  const std::vector<Surface> &surfaces_;
-  const std::vector<std::uint8_t> &usable_, &changed_;
+  void add(Defect &pair, const Triangle &p, const Triangle &q, Worker &worker) const {
+    const Bounds a = bounds_of(p), b = bounds_of(q);
+    pair.where = 0.5 * (glm::max(a.low, b.low) + glm::min(a.high, b.high)); // amid what their boxes share
+    worker.found.push_back(pair);
+  }
+
+  const Views &surfaces_;
+  const std::vector<std::uint8_t> &changed_;
   const conceg_box &box_;
   const CheckOptions &options_;
   Workers &workers_;
   const Progress &progress_;
-  double margin_, far2_;
+  CheckResult &result_;
+  double margin_, least2_, edge_ = 1;
+  bool all_changed_;
   glm::dvec3 low_{}, inverse_{}, side_{};
   glm::ivec3 places_{1};
   std::vector<Stretch> stretch_;
-  std::vector<std::size_t> layer_; // entries of each layer of places
-  std::vector<HashEntry> entry_;   // of the slab
-  std::vector<std::size_t> run_;   // where each place begins
-  std::vector<std::uint8_t> worth_;
+  std::vector<std::size_t> layer_; // leaves of each layer of places
+  int slab_low_ = 0, slab_high_ = 0;
+  std::unique_ptr<std::atomic<std::uint32_t>[]> start_; // of each place of the slab
+  std::vector<const Item *> entry_;
+  std::vector<std::uint8_t> marked_; // places with a leaf that is new; empty: all are
   std::vector<Worker> worker_;
 };
 
 } // namespace
 
-void check_pairs(const std::vector<Surface> &surfaces, const std::vector<std::uint8_t> &usable,
-                 const std::vector<std::uint8_t> &changed, const conceg_box &box, const CheckOptions &options,
-                 Workers &workers, const Progress &progress, CheckResult &result) {
-  PairCheck(surfaces, usable, changed, box, options, workers, progress).run(result);
+void check_pairs(const Views &surfaces, const std::vector<std::uint8_t> &changed, const conceg_box &box,
+                 const CheckOptions &options, Workers &workers, const Progress &progress,
+                 CheckResult &result) {
+  PairCheck(surfaces, changed, box, options, workers, progress, result).run();
 }
 
 } // namespace conceg::mesh

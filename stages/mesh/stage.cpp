@@ -2,25 +2,31 @@
 // mesh: descriptor and glue. Reads cells and skeletons, calls the mesher, writes /meshes and /volumes.
 #include "conceg/conceg.h"
 
-#include "components.hpp"
-#include "extract.hpp"
-#include "faces.hpp"
+#include "final_check.hpp"
 #include "finish.hpp"
+#include "output.hpp"
+#include "pinch.hpp"
+#include "smooth.hpp"
 #include "space.hpp"
-#include "volume.hpp"
+#include "view.hpp"
+#include "volume_output.hpp"
 #include "wrap.hpp"
 
 #include <cmath>
+#include <cstdio>
 
 namespace {
 
 using namespace conceg;
 using namespace conceg::mesh;
 
+constexpr char kVersion[] = "1.1.0";
+constexpr double kGapReach = 1.5; // gaps are measured up to so many times the gap that is asked
+
 const conceg_param parameters[] = {
     {"h_um", "um", "largest step of the common grid; tubes thinner than 0.92 of it may break", "0.16",
      nullptr, CONCEG_PARAM_F64, 0, 0.01, 100},
-    {"gap_um", "um", "gap between cells in contact; the meshes keep at least a third of it", "0.06", nullptr,
+    {"gap_um", "um", "gap between cells in contact; the meshes keep at least half of it", "0.04", nullptr,
      CONCEG_PARAM_F64, 0, 0.001, 10},
     {"inflate_um", "um",
      "widens all cells before they are separated: packing control (at most a quarter of the radius)", "0",
@@ -33,11 +39,18 @@ const conceg_param parameters[] = {
     {"tolerance_um", "um",
      "how far simplification may move a surface where no other is near; 0 = no simplification", "0.05",
      nullptr, CONCEG_PARAM_F64, 0, 0, 10},
+    {"smooth", "",
+     "one smooth surface of a single cell by OpenVDB instead of the grid's tetrahedra; not simplified",
+     "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"volumes", "", "write label and distance volumes", "true", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"volume_step_um", "um", "largest voxel of the volumes; 0 = twice h_um", "0", nullptr, CONCEG_PARAM_F64,
      0, 0, 100},
     {"space", "", "measure the extracellular space on the grid's tetrahedra, its pieces too (periodic boxes)",
      "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
+    {"checkpoint", "",
+     "keeps finished surfaces in this file while the run goes on; after a kill the same command goes on from "
+     "there",
+     "", nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
     {"vdb", "", "also write the volumes as an OpenVDB file", "", nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};
 
@@ -87,18 +100,26 @@ Tissue read_tissue(conceg_doc *doc) {
   return tissue;
 }
 
-// What the mesh will take, from the area of the primitives: faces per step^2, and bytes a face in all.
-void predict_cost(conceg_ctx *ctx, const Scene &scene, bool light) {
-  const double unit = scene.grid.unit, faces = (light ? 3 : 9) * primitive_area(scene),
-               bytes = (light ? 60 : 100) * faces;
+// Bytes a face: a chunk's half vertex and face; a finished surface in its file; its rows in the document.
+constexpr double kChunkBytes = 11, kSurfaceBytes = 18, kDocumentBytes = 33;
+
+// The room that files will take, from the area of the primitives: faces per step^2, which cells that press on
+// one another and simplification only lessen.
+void check_room(conceg_ctx *ctx, const Scene &scene, bool light, const std::string &side_file) {
+  const double unit = scene.grid.unit, faces = (light ? 3 : 9) * primitive_area(scene);
+  const double document =
+      kDocumentBytes * faces > double(conceg_ctx_memory(ctx)) ? kDocumentBytes * faces : 0;
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
-                 "mesh: %.0f um2 of membrane on a grid of %.3f um: about %.2g faces before simplification",
-                 primitive_area(scene) * unit * unit, unit, faces);
-  if (bytes > double(conceg_ctx_memory(ctx)))
-    conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
-                   "mesh: about %.1f GB of memory will be needed, more than the %.1f GB asked for; a larger "
-                   "h_um needs less",
-                   1e-9 * bytes, 1e-9 * double(conceg_ctx_memory(ctx)));
+                 "mesh: %.0f um2 of membrane on a grid of %.3f um: at most about %.2g faces before "
+                 "simplification, %.1f GB of temporary files",
+                 primitive_area(scene) * unit * unit, unit, faces,
+                 1e-9 * ((kChunkBytes + kSurfaceBytes) * faces + document));
+  const double own = side_file.empty() ? kSurfaceBytes * faces : 0;
+  need_free_space(conceg_ctx_tmpdir(ctx), kChunkBytes * faces + document + own, "unfinished meshes");
+  if (side_file.empty()) return;
+  const std::size_t slash = side_file.rfind('/');
+  need_free_space(slash == std::string::npos ? "." : side_file.substr(0, slash + 1), kSurfaceBytes * faces,
+                  "finished surfaces");
 }
 
 void warn_thin(conceg_ctx *ctx, const Scene &scene) {
@@ -116,9 +137,28 @@ void warn_thin(conceg_ctx *ctx, const Scene &scene) {
                    scene.thin_points[worst]);
 }
 
-void report_pieces(conceg_ctx *ctx, const std::vector<Pieces> &pieces, const std::vector<Surface> &surfaces) {
+// Which cells the grid may break where a neighbour cuts into them.
+void warn_pinches(conceg_ctx *ctx, const Scene &scene, const std::vector<Pinch> &pinches) {
+  if (pinches.empty()) return;
+  const auto worst = std::min_element(pinches.begin(), pinches.end(),
+                                      [](const Pinch &l, const Pinch &r) { return l.left_um < r.left_um; });
+  for (const Pinch &p : pinches)
+    conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                   "mesh: cell %u may pinch off in %u segments: neighbours leave it %.3f um of %.3f um at "
+                   "(%.2f, %.2f, %.2f)",
+                   p.cell, p.segments, p.left_um, p.radius_um, p.where.x, p.where.y, p.where.z);
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_WARNING,
+      "mesh: %zu cells may pinch off where neighbours leave them less than the %.3f um that the grid of "
+      "%.3f um holds (least in cell %u: %.3f um); -v names them, a smaller h_um keeps them",
+      pinches.size(), kThinnestTube * scene.grid.unit, scene.grid.unit, worst->cell, worst->left_um);
+}
+
+// What the mesher knows to be lost.
+std::vector<std::uint8_t> report_pieces(conceg_ctx *ctx, const std::vector<Pieces> &pieces,
+                                        const Views &surfaces) {
   std::vector<std::uint8_t> there(pieces.size());
-  for (const Surface &surface : surfaces)
+  for (const SurfaceView &surface : surfaces)
     there[surface.cell] = 1;
   for (std::size_t i = 0; i < pieces.size(); i++) {
     const Pieces &p = pieces[i];
@@ -136,110 +176,39 @@ void report_pieces(conceg_ctx *ctx, const std::vector<Pieces> &pieces, const std
       conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "mesh: cell %zu: nothing of it is large enough for the grid",
                      i);
   }
+  return there;
 }
 
-template <class T> T *fill(conceg_doc *doc, const char *path, std::uint64_t rows, std::uint64_t columns = 1) {
-  const std::uint64_t shape[2] = {rows, columns};
-  void *storage = nullptr;
-  must(conceg_doc_new_array(doc, path, dtype_of<T>::value, columns == 1 ? 1 : 2, shape, &storage));
-  return static_cast<T *>(storage);
-}
-
-void write_geometry(conceg_doc *doc, const std::vector<Surface> &surfaces) {
-  std::vector<std::uint64_t> vertex_offset = {0}, face_offset = {0};
-  std::vector<std::uint32_t> cell;
-  std::vector<glm::dvec3> origin;
-  for (const Surface &surface : surfaces) {
-    cell.push_back(surface.cell), origin.push_back(surface.origin);
-    vertex_offset.push_back(vertex_offset.back() + surface.vertex.size());
-    face_offset.push_back(face_offset.back() + surface.face.size());
-  }
-  put(doc, "/meshes/cell", cell);
-  put(doc, "/meshes/lod", std::vector<std::uint8_t>(surfaces.size()));
-  put_texts(doc, "/meshes/form", std::vector<std::string>(surfaces.size(), "closed"));
-  put3(doc, "/meshes/origin", origin);
-  put(doc, "/meshes/lift", std::vector<std::int32_t>(surfaces.size() * 3), 3);
-  put(doc, "/meshes/vertex_offset", vertex_offset);
-  put(doc, "/meshes/face_offset", face_offset);
-  double *vertex = fill<double>(doc, "/meshes/vertex", vertex_offset.back(), 3);
-  for (const Surface &surface : surfaces)
-    for (std::uint32_t v = 0; v < surface.vertex.size(); v++) {
-      const glm::dvec3 p = surface.at(v);
-      *vertex++ = p.x, *vertex++ = p.y, *vertex++ = p.z;
-    }
-  std::uint32_t *face = fill<std::uint32_t>(doc, "/meshes/face", face_offset.back(), 3);
-  for (const Surface &surface : surfaces)
-    for (const glm::uvec3 &f : surface.face)
-      *face++ = f.x, *face++ = f.y, *face++ = f.z;
-}
-
-void write_faces(conceg_doc *doc, const Scene &scene, const Index &index,
-                 const std::vector<Surface> &surfaces, Workers &workers) {
-  std::vector<std::uint8_t> compartment;
-  std::vector<std::uint32_t> section;
-  for (const Surface &surface : surfaces) {
-    const FaceLabels labels = label_faces(scene, index, surface, workers);
-    compartment.insert(compartment.end(), labels.compartment.begin(), labels.compartment.end());
-    section.insert(section.end(), labels.section.begin(), labels.section.end());
-  }
-  put(doc, "/meshes/compartment", compartment);
-  put(doc, "/meshes/component", std::vector<std::uint32_t>(compartment.size())); // one piece per cell is kept
-  put(doc, "/meshes/section", section);
-}
-
-void write_measures(conceg_doc *doc, const Tissue &tissue, const Scene &scene,
-                    const std::vector<Surface> &surfaces, const CheckResult &check,
-                    const std::vector<Pieces> &pieces, double gap) {
-  std::vector<double> volumes, areas, detached;
-  std::vector<std::int64_t> genus;
-  double inside = 0;
-  for (const Surface &surface : surfaces) {
-    volumes.push_back(volume_of(surface));
-    areas.push_back(area_of(surface));
-    genus.push_back((2 - euler_characteristic(surface)) / 2);
-    detached.push_back(pieces[surface.cell].detached_volume);
-    inside += volume_inside(surface, tissue.box);
-  }
-  put(doc, "/meshes/volume", volumes);
-  put(doc, "/meshes/area", areas);
-  put(doc, "/meshes/genus", genus);
-  put(doc, "/meshes/closed", check.closed);
-  put(doc, "/meshes/min_gap", check.min_gap);
-  put(doc, "/meshes/detached_volume", detached);
-  put_scalar(doc, "/meshes@icvf", inside / volume(tissue.box));
-  put_scalar(doc, "/meshes@grid_step", std::max({scene.grid.step.x, scene.grid.step.y, scene.grid.step.z}));
-  put_scalar(doc, "/meshes@gap", gap);
-  put_scalar(doc, "/meshes@crossings", check.crossings);
-  put_scalar(doc, "/meshes@pairs_checked", check.pairs_checked);
-}
-
-void write_volumes(conceg_doc *doc, const Volume &volume) {
-  put(doc, "/volumes@origin", &volume.origin.x, 3);
-  put(doc, "/volumes@spacing", &volume.spacing.x, 3);
-  const std::uint64_t shape[3] = {std::uint64_t(volume.shape.x), std::uint64_t(volume.shape.y),
-                                  std::uint64_t(volume.shape.z)};
-  put(doc, "/volumes@shape", shape, 3);
-  put3(doc, "/volumes/leaf_origin", volume.leaf_origin);
-  put(doc, "/volumes/label", volume.label, kLeafVoxels);
-  put(doc, "/volumes/distance", volume.distance, kLeafVoxels);
-}
-
-void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done) {
+void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done, const FinalCheck &check,
+                   double total) {
   std::size_t faces = 0;
-  double total = 0, cut = 0;
-  for (const Surface &surface : done.surfaces)
-    faces += surface.face.size(), total += volume_of(surface);
+  std::size_t handles = 0, with_handles = 0;
+  double cut = 0, area = 0, gap = check.surfaces.empty() ? 0 : check.result.min_gap[0];
+  for (const SurfaceView &surface : check.surfaces)
+    faces += surface.faces, area += area_of(surface);
+  for (const SurfaceView &surface : check.surfaces) {
+    const std::int64_t genus = (2 - euler_characteristic(surface)) / 2;
+    handles += static_cast<std::size_t>(genus), with_handles += genus > 0;
+  }
   for (const Pieces &p : done.pieces)
     cut += p.detached_volume;
+  for (const double g : check.result.min_gap)
+    gap = std::min(gap, g);
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_INFO,
+      "mesh: %zu surfaces, %zu faces (%.1f per um2; %llu before simplification), %llu places repaired "
+      "in %d rounds, cells fill %.4f of the box",
+      check.surfaces.size(), faces, area > 0 ? double(faces) / area : 0.0,
+      static_cast<unsigned long long>(done.base_faces), static_cast<unsigned long long>(done.repaired_pairs),
+      done.rounds, total / volume(tissue.box));
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
-                 "mesh: %zu surfaces, %zu faces (%llu before simplification), %llu pairs checked, 0 "
-                 "crossings, %llu places repaired "
-                 "in %d rounds, "
-                 "cells fill %.4f of the box",
-                 done.surfaces.size(), faces, static_cast<unsigned long long>(done.base_faces),
-                 static_cast<unsigned long long>(done.check.pairs_checked),
-                 static_cast<unsigned long long>(done.repaired_pairs), done.rounds,
-                 total / volume(tissue.box));
+                 "mesh: final check: %llu pairs of faces in all images, 0 crossings, 0 folds, all closed and "
+                 "outward; least gap %.4f um",
+                 static_cast<unsigned long long>(check.result.pairs_checked), gap);
+  if (handles)
+    conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                   "mesh: %zu cells touch themselves and have %zu handles (/meshes/genus)", with_handles,
+                   handles);
   if (cut > 0.01 * total)
     conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
                    "mesh: pieces cut off from their somas hold %.2f %% of the cell volume and are left out",
@@ -253,6 +222,106 @@ void report_space(conceg_ctx *ctx, const Space &space) {
       space.volume, static_cast<unsigned long long>(space.pieces), 100 * space.largest, 1 - space.volume);
 }
 
+// A digest of everything that the surfaces follow from.
+std::string key_of(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
+  std::vector<std::string> parts = {kVersion, conceg_version()};
+  for (const char *group : {"/domain", "/cells", "/skeleton"}) {
+    char hex[65];
+    must(conceg_doc_digest(doc, group, hex));
+    parts.push_back(hex);
+  }
+  for (const char *name : {"h_um", "gap_um", "inflate_um", "smooth_k", "tolerance_um"}) {
+    char value[40];
+    std::snprintf(value, sizeof value, "%a", conceg_params_f64(params, name));
+    parts.push_back(value);
+  }
+  parts.push_back(conceg_params_bool(params, "cluster") ? "light" : "base");
+  conceg_doc *list = nullptr;
+  must(conceg_doc_new(ctx, &list));
+  char hex[65] = "";
+  put_texts(list, "/x_mesh/parts", parts);
+  const conceg_status status = conceg_doc_digest(list, "/x_mesh", hex);
+  must(conceg_doc_close(list));
+  must(status);
+  return hex;
+}
+
+// The last word: what stands in the document. Nothing is left of /meshes when it is not sound.
+FinalCheck judge(conceg_doc *doc, const std::vector<std::uint8_t> &there, const FinishOptions &options,
+                 Workers &workers, const Progress &progress) {
+  FinalCheck check = check_document(doc, options.least_gap(), kGapReach * options.gap, options.check_memory,
+                                    workers, progress);
+  // Known to be lost and said so; all others must be there.
+  auto &missing = check.missing;
+  missing.erase(
+      std::remove_if(missing.begin(), missing.end(), [&](std::uint32_t cell) { return !there[cell]; }),
+      missing.end());
+  const std::vector<std::string> lines = check.lines(1);
+  if (lines.empty()) return check;
+  must(conceg_doc_drop(doc, "/meshes"));
+  fail(CONCEG_E_STAGE,
+       "%s; %zu such places in all, no meshes were written: try a smaller h_um or tolerance_um=0",
+       lines[0].c_str(), check.broken.size() + check.result.defects.size() + missing.size());
+}
+
+// A smooth cell in the place of what `finish` makes.
+Finished finished_smooth(const Tissue &tissue, const SceneOptions &scene_options,
+                         const FinishOptions &options, const glm::dvec3 &origin, Workers &workers,
+                         const Progress &progress) {
+  SmoothCell smooth = smooth_cell(tissue, scene_options, origin, workers, progress);
+  Finished done;
+  done.file = std::make_unique<SurfaceFile>(options.folder, 1);
+  done.file->add(smooth.surface, nullptr);
+  done.surfaces = done.file->views();
+  done.pieces.push_back(smooth.pieces);
+  done.repaired_pairs = smooth.repaired, done.rounds = smooth.rounds,
+  done.base_faces = smooth.surface.face.size();
+  return done;
+}
+
+void make_meshes(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, const Tissue &tissue,
+                 const SceneOptions &scene_options, Workers &workers, const Progress &progress,
+                 Phases &phases) {
+  const std::string side_file = conceg_params_text(params, "checkpoint");
+  const Scene scene = make_scene(tissue, scene_options);
+  check_room(ctx, scene, scene_options.cluster, side_file);
+  warn_thin(ctx, scene);
+  const Index index = make_index(scene, workers, progress);
+  warn_pinches(ctx, scene, predict_pinches(scene, index, workers));
+  workers.count(ctx, "mesh.index");
+  phases.end("index");
+  if (conceg_params_bool(params, "space"))
+    report_space(ctx, extracellular_space(scene, index, workers, progress)), phases.end("space");
+  std::vector<glm::dvec3> origin;
+  for (const glm::dvec3 &soma : tissue.soma)
+    origin.push_back(snap(soma));
+  FinishOptions options;
+  options.tolerance = conceg_params_f64(params, "tolerance_um");
+  options.gap = scene_options.gap, options.cluster = scene_options.cluster;
+  options.check_memory = std::min<std::size_t>(1u << 30, conceg_ctx_memory(ctx) / 4);
+  options.folder = conceg_ctx_tmpdir(ctx), options.side_file = side_file;
+  if (!side_file.empty()) options.key = key_of(ctx, doc, params);
+  const Finished done = conceg_params_bool(params, "smooth")
+                            ? finished_smooth(tissue, scene_options, options, origin[0], workers, progress)
+                            : finish(scene, index, {origin, tissue.soma, tissue.soma_radius}, tissue.box,
+                                     options, workers, progress);
+  workers.count(ctx, "mesh.surfaces");
+  phases.end("surfaces");
+  if (done.taken_over)
+    conceg_ctx_log(ctx, CONCEG_LOG_INFO, "mesh: %zu cells taken over from %s", done.taken_over,
+                   side_file.c_str());
+  const std::vector<std::uint8_t> there = report_pieces(ctx, done.pieces, done.surfaces);
+  must(conceg_doc_drop(doc, "/meshes"));
+  write_surfaces(doc, scene, index, done, workers);
+  workers.count(ctx, "mesh.faces");
+  phases.end("write");
+  const FinalCheck check = judge(doc, there, options, workers, progress);
+  const double total = write_measures(doc, tissue.box, scene, check, done.pieces, options.gap, workers);
+  report_result(ctx, tissue, done, check, total);
+  phases.end("final check");
+  if (!side_file.empty()) std::remove(side_file.c_str());
+}
+
 void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   const Tissue tissue = read_tissue(doc);
   SceneOptions options;
@@ -263,55 +332,25 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   options.cluster = conceg_params_bool(params, "cluster") != 0;
   Workers workers(conceg_ctx_threads(ctx));
   const Progress progress = progress_of(ctx);
-  const Scene scene = make_scene(tissue, options);
-  predict_cost(ctx, scene, options.cluster);
-  warn_thin(ctx, scene);
-  const Index index = make_index(scene, workers, progress);
-  workers.count(ctx, "mesh.index");
-  if (conceg_params_bool(params, "space"))
-    report_space(ctx, extracellular_space(scene, index, workers, progress));
-  std::vector<glm::dvec3> origin;
-  for (const glm::dvec3 &soma : tissue.soma)
-    origin.push_back(snap(soma));
-  FinishOptions finish_options;
-  finish_options.tolerance = conceg_params_f64(params, "tolerance_um");
-  finish_options.gap = options.gap;
-  finish_options.cluster = options.cluster;
-  const Finished done = finish(scene, index, {origin, tissue.soma, tissue.soma_radius}, tissue.box,
-                               finish_options, workers, progress);
-  workers.count(ctx, "mesh.surfaces");
-  report_pieces(ctx, done.pieces, done.surfaces);
-  if (done.check.errors)
-    for (const Defect &defect : done.check.defects)
-      if (defect.flaw != Flaw::near)
-        fail(CONCEG_E_STAGE,
-             "%s; %llu such places in all, nothing was written: try a smaller h_um or tolerance_um=0",
-             describe(defect, done.surfaces).c_str(), static_cast<unsigned long long>(done.check.errors));
+  Phases phases;
+  if (conceg_params_bool(params, "smooth") && tissue.cells() != 1)
+    fail(CONCEG_E_RANGE, "smooth: expected a single cell, got %zu; leave smooth out", tissue.cells());
+  const VolumeOutput volume(ctx, params, tissue, options, workers);
+  phases.end("volume laid out");
+  make_meshes(ctx, doc, params, tissue, options, workers, progress, phases);
 
-  must(conceg_doc_drop(doc, "/meshes"));
   must(conceg_doc_drop(doc, "/volumes"));
-  write_geometry(doc, done.surfaces);
-  write_faces(doc, scene, index, done.surfaces, workers);
-  write_measures(doc, tissue, scene, done.surfaces, done.check, done.pieces, options.gap);
-  workers.count(ctx, "mesh.faces");
-  report_result(ctx, tissue, done);
-
-  const char *vdb = conceg_params_text(params, "vdb");
-  const bool wanted = conceg_params_bool(params, "volumes") != 0;
-  if (!wanted && !*vdb) return;
-  const double step = conceg_params_f64(params, "volume_step_um");
-  options.h = step > 0 ? step : 2 * options.h;
-  const Volume volume = make_volume(tissue, options, workers, progress);
-  workers.count(ctx, "mesh.volume");
-  if (wanted) write_volumes(doc, volume);
-  if (*vdb) write_vdb(leaves(volume), vdb);
+  volume.write(ctx, doc, workers);
+  phases.end("volume");
+  tell_phases(ctx, "mesh", phases, workers.busy_s(), workers.threads());
 }
 
 conceg_status check(conceg_ctx *ctx, conceg_doc *, const conceg_params *params) {
   return guard(ctx, "mesh", [&] {
-    if (*conceg_params_text(params, "vdb") && !vdb_available())
-      fail(CONCEG_E_UNSUPPORTED,
-           "vdb: this build has no OpenVDB; install libopenvdb-dev and build again, or leave --vdb out");
+    if (vdb_available()) return;
+    if (*conceg_params_text(params, "vdb") || conceg_params_bool(params, "smooth"))
+      fail(CONCEG_E_UNSUPPORTED, "vdb, smooth: this build has no OpenVDB; install libopenvdb-dev and build "
+                                 "again, or leave both out");
   });
 }
 
@@ -327,7 +366,7 @@ const conceg_stage conceg_stage_mesh = {
     sizeof(conceg_stage),
     "mesh",
     "tetrahedra",
-    "1.0.0",
+    kVersion,
     "turns skeletons into closed surfaces that touch neither each other nor their own images",
     "conceg mesh --vdb cube.vdb < relaxed.cgx > cube.cgx",
     parameters,

@@ -50,31 +50,32 @@ double six_volumes_inside(const Triangle &t, const conceg_box &box, const glm::d
   return six_volumes({clamped(box, origin, t[0]), clamped(box, origin, t[1]), clamped(box, origin, t[2])});
 }
 
-Triangle triangle(const Surface &surface, const glm::uvec3 &f) {
-  return {glm::dvec3(surface.vertex[f.x]), glm::dvec3(surface.vertex[f.y]), glm::dvec3(surface.vertex[f.z])};
+Triangle triangle(const SurfaceView &surface, std::size_t face) {
+  const glm::uvec3 &f = surface.face[face];
+  return {surface.from_origin(f.x), surface.from_origin(f.y), surface.from_origin(f.z)};
 }
 
 } // namespace
 
-double volume_of(const Surface &surface) {
+double volume_of(const SurfaceView &surface) {
   double sum = 0;
-  for (const glm::uvec3 &f : surface.face)
+  for (std::size_t f = 0; f < surface.faces; f++)
     sum += six_volumes(triangle(surface, f));
   return sum / 6;
 }
 
-double area_of(const Surface &surface) {
+double area_of(const SurfaceView &surface) {
   double sum = 0;
-  for (const glm::uvec3 &f : surface.face) {
+  for (std::size_t f = 0; f < surface.faces; f++) {
     const Triangle t = triangle(surface, f);
     sum += glm::length(cross_product(t[1] - t[0], t[2] - t[0]));
   }
   return sum / 2;
 }
 
-double volume_inside(const Surface &surface, const conceg_box &box) {
+double volume_inside(const SurfaceView &surface, const conceg_box &box) {
   double sum = 0;
-  for (const glm::uvec3 &f : surface.face)
+  for (std::size_t f = 0; f < surface.faces; f++)
     sum += six_volumes_inside(triangle(surface, f), box, surface.origin, 0);
   return sum / 6;
 }

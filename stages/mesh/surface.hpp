@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A triangle surface of one cell: coordinates relative to an origin on the lattice, held as the values that
-// are written.
+// are written. A view borrows the arrays of a surface, wherever they lie: in memory, in a file, in a
+// document.
 #pragma once
 
 #include "conceg/geom.h"
@@ -22,6 +23,28 @@ struct Surface {
   glm::dvec3 at(std::uint32_t i) const { return origin + glm::dvec3(vertex[i]); }
 };
 
+struct SurfaceView {
+  std::uint32_t cell = 0;
+  glm::dvec3 origin{};
+  const glm::vec3 *relative = nullptr;  // um from the origin, or
+  const glm::dvec3 *absolute = nullptr; // um
+  const glm::uvec3 *face = nullptr;
+  std::size_t vertices = 0, faces = 0;
+  SurfaceView() = default;
+  SurfaceView(const Surface &s)
+      : cell(s.cell), origin(s.origin), relative(s.vertex.data()), face(s.face.data()),
+        vertices(s.vertex.size()), faces(s.face.size()) {}
+  glm::dvec3 at(std::uint32_t i) const { return absolute ? absolute[i] : origin + glm::dvec3(relative[i]); }
+  glm::dvec3 from_origin(std::uint32_t i) const {
+    return absolute ? absolute[i] - origin : glm::dvec3(relative[i]);
+  }
+};
+using Views = std::vector<SurfaceView>;
+
+inline Views views_of(const std::vector<Surface> &surfaces) {
+  return Views(surfaces.begin(), surfaces.end());
+}
+
 // A relative coordinate as it is written: a float32 that is a multiple of 2^-24 um, so that origin + value
 // and value +- side are exact in double precision.
 inline float written(double relative) {
@@ -36,9 +59,9 @@ inline glm::dvec3 cross_product(const glm::dvec3 &a, const glm::dvec3 &b) {
 }
 
 // Enclosed volume and area, um3 and um2.
-double volume_of(const Surface &surface);
-double area_of(const Surface &surface);
+double volume_of(const SurfaceView &surface);
+double area_of(const SurfaceView &surface);
 // Volume of the part inside the box (open axes cut it exactly; periodic axes do not).
-double volume_inside(const Surface &surface, const conceg_box &box);
+double volume_inside(const SurfaceView &surface, const conceg_box &box);
 
 } // namespace conceg::mesh

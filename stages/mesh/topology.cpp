@@ -2,6 +2,8 @@
 #include "topology.hpp"
 #include "predicates.hpp"
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <numeric>
 #include <tuple>
@@ -9,28 +11,30 @@
 namespace conceg::mesh {
 namespace {
 
+// Coordinates are multiples of 2^-24 um, so differences are exact and a cross product is off by 1e-15 of its
+// factors at most: far below these.
+constexpr double kClearlyApart = 1e-9;
+constexpr double kClearlyWide = 1e-12;
+
 class Topology {
 public:
-  Topology(const Surface &surface, std::uint32_t number, std::vector<Defect> &out)
-      : surface_(surface), number_(number), out_(out) {}
+  Topology(const SurfaceView &surface, std::uint32_t number, std::vector<Defect> &out, Bits &plain)
+      : surface_(surface), number_(number), out_(out), plain_(plain) {}
 
-  // False when an index is out of range or a face is degenerate, so that the pair test cannot take the
-  // surface.
   bool run() {
     bool usable = true;
-    for (std::uint32_t f = 0; f < surface_.face.size(); f++) {
+    for (std::uint32_t f = 0; f < surface_.faces; f++) {
       const glm::uvec3 &v = surface_.face[f];
-      const std::size_t count = surface_.vertex.size();
+      const std::size_t count = surface_.vertices;
       if (v.x >= count || v.y >= count || v.z >= count) {
-        add(Flaw::bad_index, f, {});
+        add(Flaw::bad_index, f, surface_.origin);
         return false;
       }
-      if (v.x == v.y || v.y == v.z || v.z == v.x ||
-          on_one_line(surface_.at(v.x), surface_.at(v.y), surface_.at(v.z)))
-        add(Flaw::degenerate_face, f, surface_.at(v.x)), usable = false;
+      if (is_degenerate(v)) add(Flaw::degenerate_face, f, surface_.at(v.x)), usable = false;
     }
     collect_rings();
-    for (std::uint32_t v = 0; v < surface_.vertex.size(); v++)
+    plain_.reset(surface_.vertices);
+    for (std::uint32_t v = 0; v < surface_.vertices; v++)
       check_ring(v);
     if (!(volume_of(surface_) > 0)) add(Flaw::inward, 0, surface_.origin);
     return usable;
@@ -42,15 +46,23 @@ private:
     std::uint32_t from, to, face;
   };
 
+  bool is_degenerate(const glm::uvec3 &v) const {
+    if (v.x == v.y || v.y == v.z || v.z == v.x) return true;
+    const glm::dvec3 a = surface_.at(v.x), b = surface_.at(v.y), c = surface_.at(v.z), e = b - a, f = c - a,
+                     n = cross_product(e, f);
+    if (glm::dot(n, n) > kClearlyWide * kClearlyWide * glm::dot(e, e) * glm::dot(f, f)) return false;
+    return on_one_line(a, b, c);
+  }
+
   void collect_rings() {
-    start_.assign(surface_.vertex.size() + 1, 0);
-    for (const glm::uvec3 &f : surface_.face)
+    start_.assign(surface_.vertices + 1, 0);
+    for (std::size_t f = 0; f < surface_.faces; f++)
       for (int i = 0; i < 3; i++)
-        start_[f[i] + 1]++;
+        start_[surface_.face[f][i] + 1]++;
     std::partial_sum(start_.begin(), start_.end(), start_.begin());
-    spoke_.resize(surface_.face.size() * 3);
+    spoke_.resize(surface_.faces * 3);
     std::vector<std::uint32_t> next(start_.begin(), start_.end() - 1);
-    for (std::uint32_t f = 0; f < surface_.face.size(); f++)
+    for (std::uint32_t f = 0; f < surface_.faces; f++)
       for (int i = 0; i < 3; i++) {
         const glm::uvec3 &v = surface_.face[f];
         spoke_[next[v[i]]++] = {v[(i + 1) % 3], v[(i + 2) % 3], f};
@@ -73,13 +85,39 @@ private:
         add(Flaw::open_edge, it->face, 0.5 * (surface_.at(v) + surface_.at(it->to))), sound = false;
     }
     if (!sound) return;
-    std::size_t visited = 0;
+    ring_.clear();
     auto it = first;
     do {
+      ring_.push_back(surface_.at(it->from) - surface_.at(v));
       it = find(first, last, it->to);
-      visited++;
-    } while (it != first && visited <= static_cast<std::size_t>(last - first));
-    if (visited != static_cast<std::size_t>(last - first)) add(Flaw::split_vertex, v, surface_.at(v));
+    } while (it != first && ring_.size() <= static_cast<std::size_t>(last - first));
+    if (ring_.size() != static_cast<std::size_t>(last - first))
+      add(Flaw::split_vertex, v, surface_.at(v));
+    else if (ring_is_plain())
+      plain_.set(v);
+  }
+
+  // Seen along the sum of the faces' normals every face turns the same way, and together they go round once.
+  bool ring_is_plain() {
+    const std::size_t count = ring_.size();
+    normal_.resize(count);
+    glm::dvec3 view(0);
+    for (std::size_t i = 0; i < count; i++)
+      view += normal_[i] = cross_product(ring_[i], ring_[(i + 1) % count]);
+    const double length = glm::length(view);
+    if (!(length > 0)) return false;
+    view /= length;
+    for (std::size_t i = 0; i < count; i++)
+      if (!(glm::dot(normal_[i], view) >
+            kClearlyApart * glm::length(ring_[i]) * glm::length(ring_[(i + 1) % count])))
+        return false;
+    const glm::dvec3 other = std::fabs(view.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0),
+                     upward = cross_product(view, other);
+    int rounds =
+        0; // each face turns by less than half a round, so it passes the half-line below -> above once
+    for (std::size_t i = 0; i < count; i++)
+      rounds += glm::dot(ring_[i], upward) < 0 && glm::dot(ring_[(i + 1) % count], upward) >= 0;
+    return rounds == 1;
   }
 
   template <class It> static It find(It first, It last, std::uint32_t from) {
@@ -92,17 +130,19 @@ private:
     out_.push_back({flaw, number_, face, 0, 0, {}, where});
   }
 
-  const Surface &surface_;
+  const SurfaceView &surface_;
   std::uint32_t number_;
   std::vector<Defect> &out_;
+  Bits &plain_;
   std::vector<std::uint32_t> start_;
   std::vector<Spoke> spoke_;
+  std::vector<glm::dvec3> ring_, normal_;
 };
 
 } // namespace
 
-bool check_topology(const Surface &surface, std::uint32_t number, std::vector<Defect> &out) {
-  return Topology(surface, number, out).run();
+bool check_topology(const SurfaceView &surface, std::uint32_t number, std::vector<Defect> &out, Bits &plain) {
+  return Topology(surface, number, out, plain).run();
 }
 
 } // namespace conceg::mesh

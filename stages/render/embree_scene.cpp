@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <cstring>
 #include <thread>
 
@@ -63,6 +64,14 @@ void put_ball(float *&out, const glm::dvec3 &p, double radius) {
   for (int axis = 0; axis < 3; axis++)
     *out++ = static_cast<float>(p[axis]);
   *out++ = static_cast<float>(radius);
+}
+
+// Distance from a point of a triangle to its nearest edge: barycentric coordinate times height.
+double rim_of(const Body &body, const glm::uvec3 &f, double u, double v) {
+  const glm::dvec3 &a = body.vertex[f.x], &b = body.vertex[f.y], &c = body.vertex[f.z];
+  const double twice_area = glm::length(glm::cross(b - a, c - a));
+  return twice_area *
+         std::min({(1 - u - v) / glm::length(c - b), u / glm::length(c - a), v / glm::length(b - a)});
 }
 
 } // namespace
@@ -174,6 +183,7 @@ RayHit RayScene::first(const glm::dvec3 &start, const glm::dvec3 &direction, dou
     hit.normal = glm::dvec3((1.0f - both.hit.u - both.hit.v) * body.normal[f.x] +
                             both.hit.u * body.normal[f.y] + both.hit.v * body.normal[f.z]);
     if (glm::length(hit.normal) == 0.0) hit.normal = plain;
+    if (scene_.wire) hit.rim = rim_of(body, f, both.hit.u, both.hit.v);
   }
   const double length = glm::length(hit.normal);
   hit.normal = length > 0.0 ? hit.normal / length : -direction;

@@ -16,7 +16,8 @@ struct RayHit {
   double distance = INFINITY;          // um
   glm::dvec3 normal = glm::dvec3(0.0); // unit, smoothed over the surface
   std::int32_t body = -1;
-  bool inside = false; // the surface is seen from within
+  bool inside = false;   // the surface is seen from within
+  double rim = INFINITY; // um to the nearest edge of the triangle; only when the scene asks for wires
 };
 
 class RayScene {

@@ -15,6 +15,7 @@ constexpr double degree = 3.14159265358979323846 / 180.0;
 constexpr int tile_pixels = 32;
 constexpr int filter_reach = 2; // samples on each side over which ambient occlusion is averaged
 constexpr int occlusion_rays = 2;
+constexpr double wire_px = 1.1; // width of the edges of triangles
 const Colour edge_colour(0.16f, 0.18f, 0.22f);
 
 // What a sample of the picture saw.
@@ -110,6 +111,8 @@ private:
     glm::dvec3 normal = hit.normal, place = start + hit.distance * camera_.forward();
     sample.body = hit.body, sample.depth = static_cast<float>(hit.distance);
     sample.albedo = albedo_[static_cast<std::size_t>(hit.body)];
+    if (!hit.inside && hit.rim < 0.5 * wire_px * view_.um_per_pixel)
+      sample.albedo = glm::mix(sample.albedo, to_linear(edge_colour), 0.55f);
     if (hit.inside) { // the ray entered the box within a cell: the cell's cut face is seen
       place = start + from * camera_.forward(), normal = box_normal(scene_, place),
       sample.depth = static_cast<float>(from);

@@ -2,6 +2,7 @@
 #include "scene.hpp"
 
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 
 #include <atomic>
 
@@ -27,6 +28,22 @@ std::vector<glm::vec3> vertex_normals(const Surface &surface) {
 
 void bounds_of(const RoundCone &cone, glm::dvec3 &low, glm::dvec3 &high) {
   low = glm::min(cone.a - cone.ra, cone.b - cone.rb), high = glm::max(cone.a + cone.ra, cone.b + cone.rb);
+}
+
+bool reaches(const Body &body, const glm::dvec3 &lo, const glm::dvec3 &hi) {
+  const auto meets = [&](const glm::dvec3 &low, const glm::dvec3 &high) {
+    return glm::all(glm::lessThanEqual(low, hi)) && glm::all(glm::greaterThanEqual(high, lo));
+  };
+  for (const glm::uvec3 &f : body.face) {
+    const glm::dvec3 &a = body.vertex[f.x], &b = body.vertex[f.y], &c = body.vertex[f.z];
+    if (meets(glm::min(glm::min(a, b), c), glm::max(glm::max(a, b), c))) return true;
+  }
+  for (const RoundCone &cone : body.cones) {
+    glm::dvec3 low, high;
+    bounds_of(cone, low, high);
+    if (meets(low, high)) return true;
+  }
+  return false;
 }
 
 Body make_body(const conceg_box &box, bool clipped, const Cell &cell) {
@@ -84,6 +101,20 @@ void add_bodies(Scene &scene, const std::vector<Cell> &cells, Workers &workers, 
                      : scene.clipped ? std::max(high[axis], scene.box.hi[axis])
                                      : high[axis];
   }
+}
+
+void zoom(Scene &scene, const glm::dvec3 &centre, double size) {
+  for (int axis = 0; axis < 3; axis++) {
+    const double width = std::min(size, scene.hi[axis] - scene.lo[axis]);
+    const double low = glm::clamp(centre[axis] - 0.5 * width, scene.lo[axis], scene.hi[axis] - width);
+    scene.box.lo[axis] = scene.lo[axis] = low, scene.box.hi[axis] = scene.hi[axis] = low + width;
+    scene.box.periodic[axis] = 1; // its sides are cut faces
+  }
+  scene.clipped = true;
+  std::vector<Body> kept;
+  for (Body &body : scene.bodies)
+    if (reaches(body, scene.lo, scene.hi)) kept.push_back(std::move(body));
+  scene.bodies = std::move(kept);
 }
 
 } // namespace conceg::rendering

@@ -35,6 +35,7 @@ struct Scene {
   conceg_box box = {};
   glm::dvec3 pia = glm::dvec3(0, 0, 1);
   bool clipped = true;            // periodic axes are cut off at the box
+  bool wire = false;              // the edges of the triangles are drawn
   std::vector<std::string> types; // names
   std::vector<Colour> type_colour;
   std::vector<Body> bodies;
@@ -44,5 +45,9 @@ struct Scene {
 
 // Makes bodies of cells: tiled into the box when `clipped`, else as they are.
 void add_bodies(Scene &scene, const std::vector<Cell> &cells, Workers &workers, const Progress &progress);
+
+// Cuts a scene of bodies down to a cube of `size` um around `centre`, which is moved to lie within the bounds
+// as far as it fits. Cells that have nothing in it leave the scene.
+void zoom(Scene &scene, const glm::dvec3 &centre, double size);
 
 } // namespace conceg::rendering

@@ -9,6 +9,9 @@
 
 #include <glm/geometric.hpp>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <memory>
 
 namespace {
@@ -21,8 +24,8 @@ const conceg_param parameters[] = {
      "pictures to make: the cells in the box, a cut through it, or both (of a single cell only the first)",
      "both", "both|cells|cut", CONCEG_PARAM_CHOICE, 0, 0, 0},
     {"dir", "", "folder to write into; made when absent", "pictures", nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
-    {"cells", "", "all, one row such as 7, or one id such as id:12; a single cell is drawn whole", "all",
-     nullptr, CONCEG_PARAM_TEXT, 0, 0, 0},
+    {"cells", "", "all, or rows such as 7 and ids such as id:12 with commas between; these are drawn whole",
+     "all", nullptr, CONCEG_PARAM_TEXT, 0, 0, 0},
     {"whole", "", "draw whole cells instead of what lies in the box", "false", nullptr, CONCEG_PARAM_BOOL, 0,
      0, 0},
     {"of", "",
@@ -38,6 +41,10 @@ const conceg_param parameters[] = {
     {"cut_axis", "", "axis normal to the cut", "y", "x|y|z", CONCEG_PARAM_CHOICE, 0, 0, 0},
     {"cut_position", "1", "place of the cut between the lower (0) and the upper (1) end", "0.5", nullptr,
      CONCEG_PARAM_F64, 0, 0, 1},
+    {"zoom_um", "um", "draw only a cube of this side; 0 = all", "0", nullptr, CONCEG_PARAM_F64, 0, 0, 1e6},
+    {"zoom_at", "um", "middle of that cube, as x,y,z; empty = middle of what there is", "", nullptr,
+     CONCEG_PARAM_TEXT, 0, 0, 0},
+    {"wire", "", "draw the edges of the triangles", "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};
 
 bool from_meshes(conceg_doc *doc, const conceg_params *params) {
@@ -95,18 +102,38 @@ void add_cones(const conceg_substrate *substrate, const CellInfo &info, Cell &ce
   }
 }
 
+void zoom_in(Scene &scene, double size, const char *at) {
+  glm::dvec3 centre = 0.5 * (scene.lo + scene.hi);
+  int end = 0;
+  if (*at && (std::sscanf(at, "%lf,%lf,%lf%n", &centre.x, &centre.y, &centre.z, &end) != 3 || at[end] ||
+              !std::isfinite(centre.x + centre.y + centre.z)))
+    fail(CONCEG_E_PARAM, "zoom_at: expected three numbers such as 10,20.5,3, got \"%s\"", at);
+  zoom(scene, centre, size);
+}
+
+std::vector<CellInfo> cells_of(const conceg_substrate *substrate, const std::string &list) {
+  std::vector<CellInfo> chosen;
+  for (std::size_t begin = 0, end; begin <= list.size(); begin = end + 1) {
+    end = std::min(list.find(',', begin), list.size());
+    for (CellInfo &cell : select_cells(substrate, list.substr(begin, end - begin)))
+      chosen.push_back(std::move(cell));
+  }
+  return chosen;
+}
+
 Scene make_scene(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, Workers &workers,
                  std::vector<CellInfo> &chosen) {
   conceg_substrate *opened = nullptr;
   must(conceg_substrate_open(doc, &opened));
   const std::shared_ptr<conceg_substrate> substrate(opened, conceg_substrate_free);
   const std::string wanted = conceg_params_text(params, "cells");
-  chosen = select_cells(opened, wanted);
+  chosen = cells_of(opened, wanted);
   Scene scene;
   scene.box = read_box(doc);
   const View<double> pia = view<double>(doc, "/domain@pia", 3);
   scene.pia = {pia[0], pia[1], pia[2]};
-  scene.clipped = wanted == "all" && !conceg_params_bool(params, "whole");
+  const double size = conceg_params_f64(params, "zoom_um");
+  scene.clipped = size > 0 || (wanted == "all" && !conceg_params_bool(params, "whole"));
   scene.types = texts(doc, "/types/name");
   scene.type_colour = type_colours(texts(doc, "/types/class"));
   std::vector<Cell> cells(chosen.size());
@@ -121,7 +148,9 @@ Scene make_scene(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, 
   else
     for (std::size_t i = 0; i < cells.size(); i++)
       add_cones(opened, chosen[i], cells[i]);
+  scene.wire = conceg_params_bool(params, "wire") != 0;
   add_bodies(scene, cells, workers, progress_of(ctx));
+  if (size > 0) zoom_in(scene, size, conceg_params_text(params, "zoom_at"));
   return scene;
 }
 
@@ -142,7 +171,7 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
     const Scene scene = make_scene(ctx, doc, params, workers, chosen);
     std::string dir = conceg_params_text(params, "dir"), name = "cells.png", cut_name = "cut.png";
     if (dir.empty()) fail(CONCEG_E_PARAM, "dir: expected the name of a folder, got an empty text");
-    const bool single = std::string(conceg_params_text(params, "cells")) != "all";
+    const bool single = chosen.size() == 1 && std::string(conceg_params_text(params, "cells")) != "all";
     if (single) {
       char number[40];
       std::snprintf(number, sizeof number, "cell_%04llu",

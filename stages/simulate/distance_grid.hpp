@@ -19,10 +19,13 @@ struct DistanceGrid {
 
 // Distance (um) from the centre of each voxel (x fastest) to that of the nearest marked one: the exact
 // Euclidean transform of Felzenszwalb and Huttenlocher (2012), periodic where the grid is. Distances are cut
-// at 1000 um.
+// at `farthest_um`.
 std::vector<float> distance_between_centres(const DistanceGrid &grid, const std::vector<std::uint8_t> &marked,
-                                            Workers &workers);
+                                            double farthest_um, Workers &workers);
 
+// The point of the triangle abc that is nearest to a point.
+glm::dvec3 nearest_point(const glm::dvec3 &point, const glm::dvec3 &a, const glm::dvec3 &b,
+                         const glm::dvec3 &c);
 // Squared distance (um^2) from a point to the triangle abc.
 double squared_distance(const glm::dvec3 &point, const glm::dvec3 &a, const glm::dvec3 &b,
                         const glm::dvec3 &c);

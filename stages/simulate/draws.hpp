@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Random directions and normals of one walker, drawn a block at a time in loops that the compiler can
-// vectorise. The bits are those of conceg_rng_u64, so they depend on seed, walker and draw alone.
+// vectorise. The bits are those of the library's generator (rng.h), both halves of each of its blocks, so
+// they depend on seed, walker and draw alone.
 #pragma once
 
 #include "conceg/rng.h"
@@ -14,7 +15,8 @@ namespace conceg::simulate {
 
 inline constexpr std::size_t draw_block = 64;
 
-// The next `draw_block` values of conceg_rng_u64.
+// The first half of a value is that of conceg_rng_u64, the second its neighbour in the same block; half as
+// many blocks as values are used up.
 void fill_bits(conceg_rng &rng, std::uint64_t bits[draw_block]);
 // Unit vectors, uniform on the sphere, from 32 bits for the height and 32 for the angle each.
 void fill_directions(const std::uint64_t bits[draw_block], double x[draw_block], double y[draw_block],

@@ -288,10 +288,12 @@ void write_files(const conceg_params *params, const Protocol &protocol, const Re
 }
 
 void simulate_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
+  Phases phases;
   Protocol protocol = make_protocol(params);
   const std::vector<double> times = numbers("times_ms", conceg_params_text(params, "times_ms"), 1e-6, 1e4);
   if (!times.empty()) record_at(protocol.timeline, times);
   const Tissue tissue(ctx, doc);
+  phases.end("tissue");
   Plan plan;
   plan.box = tissue.box, plan.wanted = make_wanted(params, tissue), plan.timeline = protocol.timeline;
   plan.physics = make_physics(ctx, params, tissue, protocol);
@@ -302,9 +304,11 @@ void simulate_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *pa
   const double reach = 1.01 * std::max(step_length(plan.physics.intra, plan.physics.step_ms),
                                        step_length(plan.physics.extra, plan.physics.step_ms));
   const Walls walls(plan.box, tissue.membranes, reach, workers, progress);
+  phases.end("walls");
   const Seeds seeds =
       seed_walkers(plan.box, plan.wanted, plan.walkers, plan.seed, tissue.locate(), workers, progress);
   preflight(ctx, plan, tissue, walls, seeds, protocol);
+  phases.end("seeds");
   put_protocol(doc, protocol);
 
   Walked walked;
@@ -320,6 +324,7 @@ void simulate_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *pa
     keep = [&kept](const Walked &w) { kept.write(w); };
   }
   walk_all(plan, walls, seeds, walked, workers, progress, keep);
+  phases.end("walk");
   const Lost lost = find_leaks(plan, walls, seeds, tissue.locate(), walked, workers, progress);
 
   const std::vector<std::uint8_t> code = codes(tissue, walls, seeds, workers);
@@ -332,6 +337,7 @@ void simulate_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *pa
       results.spread.back().push_back(spread_at(walked.walkers, c, t, results.time[t]));
   }
   workers.count(ctx, "simulate.items");
+  phases.end("signals");
   Tally t;
   for (const Tally &block : walked.tally)
     t.add(block);
@@ -339,6 +345,8 @@ void simulate_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *pa
   put_signals(doc, results, protocol, seeds.tried);
   write_files(params, protocol, results);
   log_results(ctx, results, protocol);
+  phases.end("output");
+  tell_phases(ctx, "simulate", phases, workers.busy_s(), conceg_ctx_threads(ctx));
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
                  "%.4g steps in %.4g moves, %.4g of them jumps, %.4g held against membranes; %.4g "
                  "reflections, %llu passages, %llu moves taken back",

@@ -11,8 +11,9 @@ namespace conceg::simulate {
 namespace {
 
 constexpr int bounce_limit = 100;
-// A jump of the time tau is made where the membranes are five standard deviations of each coordinate away.
-constexpr double jump_reach = 5.0;
+// A jump is made where the membranes are so many standard deviations of each coordinate away: where the way
+// between its ends matters to them (README.md), and where each touch may let the walker through.
+constexpr double jump_reach = 3.0, jump_reach_permeable = 5.0;
 constexpr std::uint64_t least_jump = 4; // steps; below, single steps are quicker
 
 // The walker while it walks.
@@ -44,7 +45,8 @@ private:
   void end_interval();
   void step();
   void jump(double radius);
-  void travel(glm::dvec3 move, double time);
+  void travel(glm::dvec3 rest, double time);
+  void advance(const glm::dvec3 &move, double time);
   void bounce(glm::dvec3 move, double time, glm::dvec3 &rest);
   bool passes(std::uint32_t face, double length, const Medium &here);
 
@@ -78,10 +80,11 @@ void Walker::begin_interval() {
   with_area_ = false, area_ = glm::dvec3(0.0);
   for (std::size_t k = 0; k < timeline_.shapes; k++)
     with_area_ |= timeline_.shape[k * intervals + interval_] != 0.0;
+  const double jump_reach_here = physics_.permeability.empty() ? jump_reach : jump_reach_permeable;
   for (const bool inside : {false, true}) {
     const double d = medium(inside).diffusivity;
     length_[inside] = step_length(medium(inside), step_ms_);
-    jump_square_[inside] = jump_reach * jump_reach * 2.0 * d * step_ms_;
+    jump_square_[inside] = jump_reach_here * jump_reach_here * 2.0 * d * step_ms_;
     jump_radius_[inside] = std::sqrt(jump_square_[inside] * static_cast<double>(least_jump)) + clearance_um;
   }
 }
@@ -153,6 +156,7 @@ void Walker::bounce(glm::dvec3 move, double time, glm::dvec3 &rest) {
   const double length = glm::length(move);
   for (int bounces = 0;; bounces++) {
     const Contact contact = walls_.first_contact(spot, place, move);
+    if (contact.face == Contact::none && bounces == 0) return advance(move, time);
     if (contact.face == Contact::none) {
       gained += left * (state_.displacement + (place - state_.place) + 0.5 * move);
       place += move;
@@ -198,43 +202,48 @@ void Walker::bounce(glm::dvec3 move, double time, glm::dvec3 &rest) {
   walls_.wrap_place(state_.place);
 }
 
-// A move of any length: pieces that the walls can hold against membranes, each reflected.
-void Walker::travel(glm::dvec3 move, double time) {
-  const double pieces = std::max(1.0, std::ceil(glm::length(move) / walls_.reach_um()));
-  for (double left = pieces; left > 0.0 && !state_.gone; left--) {
-    const glm::dvec3 piece = move / left;
-    move -= piece;
-    bounce(piece, time / pieces, move);
+// A straight move that meets nothing.
+void Walker::advance(const glm::dvec3 &move, double time) {
+  if (with_area_) area_ += time * (state_.displacement + 0.5 * move);
+  state_.place += move, state_.displacement += move;
+  walls_.wrap_place(state_.place);
+}
+
+// A move of any length, reflected: at once as far as nothing can be met, else in pieces that the walls can
+// hold against membranes.
+void Walker::travel(glm::dvec3 rest, double time) {
+  for (double length; !state_.gone && (length = glm::length(rest)) > 0.0;) {
+    const double radius = walls_.free_radius(spot_, state_.place) - clearance_um, reach = walls_.reach_um();
+    const double share = std::max(radius, reach) < length ? std::max(radius, reach) / length : 1.0;
+    const glm::dvec3 piece = share * rest;
+    rest = share < 1.0 ? rest - piece : glm::dvec3(0.0);
+    if (radius > reach) {
+      advance(piece, share * time);
+    } else {
+      tally_.casts++;
+      bounce(piece, share * time, rest);
+    }
+    time -= share * time;
     spot_ = walls_.spot(state_.place);
   }
 }
 
 // The exact joint law of displacement and its integral over the time t in free space, per axis:
-// var x = 2 D t, var int = 2 D t^3 / 3, cov = D t^2.
+// var x = 2 D t, var int = 2 D t^3 / 3, cov = D t^2: a straight way and the bridge's share.
 void Walker::jump(double radius) {
   const double time = step_ms_, spread = std::sqrt(2.0 * medium(state_.inside).diffusivity * time);
   const glm::dvec3 move = spread * normals_.next();
   tally_.jumps++;
-  if (glm::dot(move, move) >= radius * radius) {
-    tally_.casts++;
+  if (with_area_) area_ += (time * spread / std::sqrt(12.0)) * normals_.next();
+  if (glm::dot(move, move) < radius * radius)
+    advance(move, time);
+  else
     travel(move, time);
-    return;
-  }
-  if (with_area_)
-    area_ += time * (state_.displacement + 0.5 * move + (spread / std::sqrt(12.0)) * normals_.next());
-  state_.place += move, state_.displacement += move;
-  walls_.wrap_place(state_.place);
 }
 
 void Walker::step() {
-  const double length = length_[state_.inside];
-  const glm::dvec3 move = length * directions_.next();
-  if (physics_.skip && walls_.is_free(spot_, state_.place, length + clearance_um)) {
-    if (with_area_) area_ += step_ms_ * (state_.displacement + 0.5 * move);
-    state_.place += move, state_.displacement += move;
-    walls_.wrap_place(state_.place);
-    return;
-  }
+  const glm::dvec3 move = length_[state_.inside] * directions_.next();
+  if (physics_.skip && walls_.is_clear(spot_, move, state_.inside)) return advance(move, step_ms_);
   tally_.casts++;
   glm::dvec3 no_rest(0.0);
   bounce(move, step_ms_, no_rest);

@@ -5,6 +5,7 @@
 #include "tile.hpp"
 
 #include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
 
 #include <limits>
 #include <map>
@@ -14,6 +15,8 @@ namespace conceg::simulate {
 namespace {
 
 constexpr double voxel_limit = 268435456.0; // 2^28
+constexpr double fine_limit =
+    33554432.0; // 2^25 voxels; above, distances are kept for them and not for finer ones
 // A face reaches this far (um) beyond its edges, so that rounding opens no gap between two that share one.
 constexpr double rim_um = 1e-7;
 constexpr double finest_voxel_um = 0.25; // finer ones hold fewer faces each, but more in all
@@ -84,6 +87,12 @@ void Walls::choose_grid(std::size_t faces) {
     edge_[axis] = extent[axis] / voxels, scale_[axis] = voxels / extent[axis];
     low_[axis] = lowest[axis];
   }
+  fine_factor_ = total <= fine_limit ? 2 : 1;
+  if (fine_factor_ == 2) fine_shift_ = 0.25 * edge_;
+  for (int axis = 0; axis < 3; axis++)
+    blocks_[axis] = (static_cast<std::size_t>(count_[axis]) + 1) / 2,
+    fine_count_[axis] = static_cast<std::size_t>(count_[axis]) * static_cast<std::size_t>(fine_factor_);
+  room_unit_um_ = 1.0001 * (0.5 * glm::length(edge_) + reach_), room_scale_ = Room::steps / room_unit_um_;
 }
 
 std::array<glm::dvec3, 3> Walls::corners(const Face &face) const {
@@ -116,11 +125,30 @@ void Walls::list_images(const Membranes &membranes) {
     fail(CONCEG_E_UNSUPPORTED, "walls: expected fewer than 2^32 faces in the box, got %zu", faces_.size());
 }
 
+// Bits of the fine voxels, of the voxel around `middle`, that a face between `low` and `high` (widened by at
+// least the reach) may cross.
+unsigned Walls::touched_parts(const Face &face, const glm::dvec3 &middle, const glm::dvec3 &low,
+                              const glm::dvec3 &high) const {
+  if (fine_factor_ == 1) return 1u;
+  const glm::dvec3 quarter = 0.25 * edge_, narrowed = glm::dvec3(reach_) - quarter;
+  const double across = 1.001 * glm::dot(glm::abs(face.normal), quarter);
+  unsigned touched = 0;
+  for (unsigned part = 0; part < 8; part++) {
+    const glm::dvec3 at = middle + quarter * glm::dvec3((part & 1u) ? 1.0 : -1.0, (part & 2u) ? 1.0 : -1.0,
+                                                        (part & 4u) ? 1.0 : -1.0);
+    const bool within = glm::all(glm::greaterThanEqual(at, low + narrowed)) &&
+                        glm::all(glm::lessThanEqual(at, high - narrowed));
+    if (within && std::fabs(glm::dot(face.normal, at) - face.offset) <= across) touched |= 1u << part;
+  }
+  return touched;
+}
+
 // The voxels from which faces begin .. end can be met.
 std::vector<Walls::Entry> Walls::entries(std::size_t begin, std::size_t end) const {
   std::vector<Entry> found;
   const double around = 0.5 * glm::length(edge_) + reach_ + 2.0 * clearance_um;
   const glm::dvec3 rim(reach_ + 2.0 * clearance_um);
+  const double half_diagonal = 0.5005 * glm::length(edge_);
   for (std::size_t f = begin; f < end; f++) {
     const Face &face = faces_[f];
     const std::array<glm::dvec3, 3> p = corners(face);
@@ -137,12 +165,14 @@ std::vector<Walls::Entry> Walls::entries(std::size_t begin, std::size_t end) con
     for (int z = from.z; z <= to.z; z++)
       for (int y = from.y; y <= to.y; y++)
         for (int x = from.x; x <= to.x; x++) {
-          const glm::dvec3 middle = low_ + (glm::dvec3(x, y, z) + 0.5) * edge_;
+          const glm::dvec3 middle = voxel_centre({x, y, z});
           if (std::fabs(glm::dot(face.normal, middle) - face.offset) > plane) continue;
           const double squared = squared_distance(middle, p[0], p[1], p[2]);
           if (squared > around * around) continue;
+          const unsigned touched =
+              squared <= half_diagonal * half_diagonal ? touched_parts(face, middle, low, high) : 0u;
           found.push_back({static_cast<std::uint32_t>(voxel_index(x, y, z)), static_cast<std::uint32_t>(f),
-                           static_cast<float>(std::sqrt(squared))});
+                           static_cast<std::uint8_t>(touched)});
         }
   }
   return found;
@@ -166,7 +196,7 @@ void Walls::sort_images() {
     order[f] = {key, static_cast<std::uint32_t>(f)};
   }
   std::sort(order.begin(), order.end());
-  std::vector<Face> sorted(faces_.size());
+  HugeVector<Face> sorted(faces_.size());
   for (std::size_t f = 0; f < order.size(); f++)
     sorted[f] = faces_[order[f].second];
   faces_.swap(sorted);
@@ -192,8 +222,7 @@ void Walls::sort_images() {
 }
 
 void Walls::fill_voxels(Workers &workers, const Progress &progress) {
-  const std::size_t voxels = static_cast<std::size_t>(count_.x) * static_cast<std::size_t>(count_.y) *
-                             static_cast<std::size_t>(count_.z);
+  const std::size_t voxels = 8 * blocks_[0] * blocks_[1] * blocks_[2];
   const std::size_t chunks = (faces_.size() + chunk - 1) / chunk;
   std::vector<std::vector<Entry>> found(chunks);
   workers.loop(chunks, 1, [&](std::size_t c, unsigned) {
@@ -201,26 +230,29 @@ void Walls::fill_voxels(Workers &workers, const Progress &progress) {
   });
   report(progress, "sorting faces into voxels", 1, 3);
 
-  const float half_diagonal = static_cast<float>(0.5 * glm::length(edge_));
   std::vector<std::uint32_t> many(voxels, 0);
-  std::vector<std::uint8_t> touched(voxels, 0);
-  std::vector<float> nearest(voxels, std::numeric_limits<float>::infinity());
+  std::vector<std::uint8_t> touched(fine_count_[0] * fine_count_[1] * fine_count_[2], 0);
   for (const std::vector<Entry> &part : found)
     for (const Entry &e : part) {
       many[e.voxel]++;
-      nearest[e.voxel] = std::min(nearest[e.voxel], e.distance);
-      if (e.distance <= half_diagonal * 1.001f) touched[e.voxel] = 1;
+      if (!e.touched) continue;
+      const glm::ivec3 at = voxel_place(e.voxel);
+      for (std::size_t bit = 0; bit < 8; bit++)
+        if (e.touched >> bit & 1) touched[fine_row(at, bit)] = 1;
     }
   voxel_.resize(voxels + 1);
   std::uint64_t total = 0;
+  std::uint32_t rooms = 0;
   for (std::size_t v = 0; v < voxels; v++) {
-    voxel_[v].begin = static_cast<std::uint32_t>(total);
-    total += (many[v] + 3) / 4;
+    voxel_[v].begin = static_cast<std::uint32_t>(total), voxel_[v].room = rooms;
+    total += (many[v] + 3) / 4, rooms += many[v] > 0;
   }
   if (total >= Contact::none)
     fail(CONCEG_E_UNSUPPORTED, "walls: expected fewer than 2^34 faces in all voxels together, got %llu",
          static_cast<unsigned long long>(4 * total));
   voxel_[voxels].begin = static_cast<std::uint32_t>(total);
+  for (HugeVector<Room> &side : room_)
+    side.resize(rooms);
   list_.assign(4 * total, static_cast<std::uint32_t>(faces_.size()));
   std::fill(many.begin(), many.end(), 0u);
   for (std::vector<Entry> &part : found) {
@@ -228,25 +260,57 @@ void Walls::fill_voxels(Workers &workers, const Progress &progress) {
       list_[4 * std::size_t{voxel_[e.voxel].begin} + many[e.voxel]++] = e.face;
     std::vector<Entry>().swap(part);
   }
-  report(progress, "sorting faces into voxels", 2, 3);
+  report(progress, "sorting faces into voxels", 1, 3);
   measure_distance(touched, workers);
-  // Nearest of those in the list, where there are any: exact.
-  for (std::size_t v = 0; v < voxels; v++)
-    if (nearest[v] < std::numeric_limits<float>::infinity()) voxel_[v].free = nearest[v] * (1.0f - 1e-6f);
+  report(progress, "sorting faces into voxels", 2, 3);
+  fill_rooms(workers);
   report(progress, "sorting faces into voxels", 3, 3);
 }
 
-// Each point of a membrane lies in a touched voxel, so it is at most half a diagonal nearer than that voxel's
-// centre.
+void Walls::fill_rooms(Workers &workers) {
+  const double half_diagonal = 0.5 * glm::length(edge_);
+  constexpr std::size_t batch = 1024;
+  workers.loop((voxels() + batch - 1) / batch, 1, [&](std::size_t b, unsigned) {
+    RoomBuilder builder(room_unit_um_, half_diagonal);
+    for (std::size_t v = b * batch; v < std::min(voxels(), (b + 1) * batch); v++) {
+      if (voxel_[v].begin == voxel_[v + 1].begin) continue;
+      const glm::dvec3 middle = voxel_centre(voxel_place(v));
+      builder.clear();
+      for (std::size_t i = 4 * std::size_t{voxel_[v].begin}; i < 4 * std::size_t{voxel_[v + 1].begin}; i++) {
+        if (list_[i] == faces_.size()) continue;
+        const Face &face = faces_[list_[i]];
+        const std::array<glm::dvec3, 3> p = corners(face);
+        builder.add({p[0] - middle, p[1] - middle, p[2] - middle}, face.normal);
+      }
+      builder.build(room_[0][voxel_[v].room], room_[1][voxel_[v].room]);
+    }
+  });
+}
+
+// Each point of a membrane lies in a touched fine voxel, so it is at most half a diagonal nearer than that
+// voxel's centre.
 void Walls::measure_distance(const std::vector<std::uint8_t> &touched, Workers &workers) {
   DistanceGrid grid;
   for (int axis = 0; axis < 3; axis++)
-    grid.count[axis] = count_[axis], grid.edge[axis] = edge_[axis],
+    grid.count[axis] = static_cast<int>(fine_count_[axis]), grid.edge[axis] = edge_[axis] / fine_factor_,
     grid.periodic[axis] = box_.periodic[axis] != 0;
-  const std::vector<float> between = distance_between_centres(grid, touched, workers);
-  const double half_diagonal = 0.5 * glm::length(edge_);
-  for (std::size_t v = 0; v < between.size(); v++)
-    voxel_[v].free = std::max(0.0f, static_cast<float>((between[v] - half_diagonal) * (1.0 - 1e-6)));
+  const double half_diagonal = 0.5005 * glm::length(edge_) / fine_factor_;
+  const std::vector<float> between =
+      distance_between_centres(grid, touched, farthest_um + half_diagonal, workers);
+  const std::size_t parts = fine_factor_ == 2 ? 8 : 1;
+  free_.assign(parts * voxels(), 0);
+  constexpr std::size_t batch = 4096;
+  workers.loop((voxels() + batch - 1) / batch, 1, [&](std::size_t b, unsigned) {
+    for (std::size_t v = b * batch; v < std::min(voxels(), (b + 1) * batch); v++) {
+      const glm::ivec3 at = voxel_place(v);
+      if (at.x >= count_.x || at.y >= count_.y || at.z >= count_.z) continue; // it fills up a block
+      for (std::size_t part = 0; part < parts; part++) {
+        const double least = static_cast<double>(between[fine_row(at, part)]) - half_diagonal;
+        free_[parts * v + part] =
+            static_cast<std::uint8_t>(std::clamp(least * (1.0 - 1e-6) / free_unit_um, 0.0, 255.0));
+      }
+    }
+  });
 }
 
 double Walls::outside_radius(const glm::dvec3 &place) const {
@@ -283,6 +347,15 @@ Contact Walls::first_contact(const Spot &spot, const glm::dvec3 &place, const gl
              hz = spread(place.z + 0.5 * move.z);
   const Four half = spread(0.5 * glm::length(move) + 2.0 * static_cast<double>(margin_um_));
   const Four margin = spread(static_cast<double>(margin_um_)), minus_margin = -margin;
+  // Whether a move that is not along the plane crosses it outside the ball. A height is off by at most the
+  // margin, so that the point is off by margin / |along| of the move: less than the slack.
+  const glm::vec3 from(place), way(move);
+  const float least = 100.0f * margin_um_, slack = 0.02f * glm::length(way) + 2.0f * margin_um_;
+  const auto misses = [&](const Disc &d, float before, float along) {
+    if (std::fabs(along) < least) return false;
+    const glm::vec3 off = from - (before / along) * way - glm::vec3(d.centre[0], d.centre[1], d.centre[2]);
+    return glm::dot(off, off) > (d.radius + slack) * (d.radius + slack);
+  };
   double crossing = 1.0;
   const std::uint32_t *const end = list_.data() + 4 * std::size_t{voxel_[spot.voxel + 1].begin};
   for (const std::uint32_t *four = list_.data() + 4 * std::size_t{voxel_[spot.voxel].begin}; four != end;
@@ -296,12 +369,13 @@ Contact Walls::first_contact(const Spot &spot, const glm::dvec3 &place, const gl
     // Planes that the move crosses, or touches within the margin: not both ends above or both below.
     columns(disc_[four[0]].normal, disc_[four[1]].normal, disc_[four[2]].normal, disc_[four[3]].normal, x, y,
             z, w);
-    const Four before = x * px + y * py + z * pz - w, after = before + (x * mx + y * my + z * mz);
+    const Four before = x * px + y * py + z * pz - w, along = x * mx + y * my + z * mz,
+               after = before + along;
     const Mask met =
         near & ~(((before > margin) & (after > margin)) | ((before < minus_margin) & (after < minus_margin)));
     if (!any(met)) continue;
     for (int lane = 0; lane < 4; lane++) {
-      if (!met[lane]) continue;
+      if (!met[lane] || misses(disc_[four[lane]], before[lane], along[lane])) continue;
       const Face &face = faces_[four[lane]];
       const double height = glm::dot(face.normal, place) - face.offset, speed = glm::dot(face.normal, move);
       if (height * speed >= 0.0) continue; // it moves away
@@ -354,7 +428,8 @@ std::uint8_t Walls::nearest_code(const glm::dvec3 &place) const {
 
 std::uint64_t Walls::bytes() const {
   return vertex_.size() * sizeof vertex_[0] + faces_.size() * sizeof faces_[0] +
-         disc_.size() * sizeof disc_[0] + list_.size() * sizeof list_[0] + voxel_.size() * sizeof voxel_[0];
+         disc_.size() * sizeof disc_[0] + list_.size() * sizeof list_[0] + voxel_.size() * sizeof voxel_[0] +
+         2 * room_[0].size() * sizeof(Room) + free_.size();
 }
 
 } // namespace conceg::simulate

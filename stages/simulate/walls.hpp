@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The membranes as a walker meets them: the box is cut into voxels, and each lists the triangle images that a
 // move from within it can meet, so that one look finds all candidates; planes in float dismiss most of them,
-// our own double arithmetic decides about the rest. Each voxel also knows how far the nearest membrane is at
-// least.
+// our own double arithmetic decides about the rest. Each voxel also has convex rooms in which nothing is met,
+// and a finer grid knows how far the nearest membrane is at least.
 #pragma once
 
+#include "huge.hpp"
 #include "parallel.hpp"
+#include "rooms.hpp"
 #include "wrap.hpp"
 
 #include <glm/geometric.hpp>
@@ -40,7 +42,7 @@ struct Contact {
 
 // Where a place lies among the voxels.
 struct Spot {
-  std::size_t voxel = 0;
+  std::size_t voxel = 0, fine = 0;
   glm::dvec3 from_centre = glm::dvec3(0.0);
   bool known = false; // false: beyond the grid on an open axis, and beyond the reach of every membrane
 };
@@ -78,19 +80,30 @@ public:
     Spot s;
     s.voxel = voxel_index(x, y, z), s.known = true;
     s.from_centre = {(fx - x - 0.5) * edge_.x, (fy - y - 0.5) * edge_.y, (fz - z - 0.5) * edge_.z};
+    const auto half = [](double from_centre) { return from_centre >= 0.0 ? std::size_t{1} : std::size_t{0}; };
+    s.fine = fine_factor_ == 1 ? s.voxel
+                               : 8 * s.voxel + half(s.from_centre.x) + 2 * half(s.from_centre.y) +
+                                     4 * half(s.from_centre.z);
     return s;
   }
   // No membrane is nearer than this (um); not above 0 when that is not known.
   double free_radius(const Spot &spot, const glm::dvec3 &place) const {
     if (!spot.known) return outside_radius(place);
-    return static_cast<double>(voxel_[spot.voxel].free) -
-           std::sqrt(glm::dot(spot.from_centre, spot.from_centre));
+    return free_unit_um * free_[spot.fine] - std::sqrt(from_fine_square(spot));
   }
   // free_radius > radius, without a root.
   bool is_free(const Spot &spot, const glm::dvec3 &place, double radius) const {
     if (!spot.known) return outside_radius(place) > radius;
-    const double slack = static_cast<double>(voxel_[spot.voxel].free) - radius;
-    return slack > 0.0 && glm::dot(spot.from_centre, spot.from_centre) < slack * slack;
+    const double slack = free_unit_um * free_[spot.fine] - radius;
+    return slack > 0.0 && from_fine_square(spot) < slack * slack;
+  }
+  // Whether it is known at a glance that a move of at most the reach meets nothing; `inside` a cell or not
+  // says where to look first.
+  bool is_clear(const Spot &spot, const glm::dvec3 &move, bool inside) const {
+    if (!spot.known) return true;
+    const Voxel &v = voxel_[spot.voxel];
+    return v.begin == voxel_[spot.voxel + 1].begin ||
+           room_[inside][v.room].holds(spot.from_centre, spot.from_centre + move, room_scale_);
   }
 
   // The first membrane, seen from any side, that a move from `place` meets or comes closer to than the
@@ -122,18 +135,23 @@ private:
     float centre[3] = {0.0f, 0.0f, 0.0f}, radius = 0.0f;
   };
   struct Voxel {
-    float free = 0.0f;       // lower bound of the distance from its centre to a membrane
     std::uint32_t begin = 0; // its faces: four times begin .. begin of the next voxel
+    std::uint32_t room = 0;  // its pair of rooms, where it has faces
   };
   struct Entry {
     std::uint32_t voxel, face;
-    float distance; // from the voxel's centre to the face
+    std::uint8_t touched; // bits of its fine voxels that the face may cross
   };
+  static constexpr double free_unit_um = 1.0 / 32.0; // distances are kept in bytes
+  static constexpr double farthest_um = 255.0 * free_unit_um;
   void choose_grid(std::size_t faces);
   void list_images(const Membranes &membranes);
   std::vector<Entry> entries(std::size_t begin, std::size_t end) const;
+  unsigned touched_parts(const Face &face, const glm::dvec3 &middle, const glm::dvec3 &low,
+                         const glm::dvec3 &high) const;
   void sort_images();
   void fill_voxels(Workers &workers, const Progress &progress);
+  void fill_rooms(Workers &workers);
   void measure_distance(const std::vector<std::uint8_t> &touched, Workers &workers);
   std::array<glm::dvec3, 3> corners(const Face &face) const;
   bool inside(const Face &face, const glm::dvec3 &point) const;
@@ -143,10 +161,33 @@ private:
     const int i = static_cast<int>((x - low_[axis]) * scale_[axis]);
     return i < 0 ? 0 : i >= count_[axis] ? count_[axis] - 1 : i;
   }
+  // Voxels stand in blocks of two by two by two, so that a walker's surroundings are in few cache lines.
   std::size_t voxel_index(int x, int y, int z) const {
-    return (static_cast<std::size_t>(z) * static_cast<std::size_t>(count_.y) + static_cast<std::size_t>(y)) *
-               static_cast<std::size_t>(count_.x) +
-           static_cast<std::size_t>(x);
+    const auto ux = static_cast<std::size_t>(x), uy = static_cast<std::size_t>(y),
+               uz = static_cast<std::size_t>(z);
+    return (((uz >> 1) * blocks_[1] + (uy >> 1)) * blocks_[0] + (ux >> 1)) * 8 + (ux & 1) + 2 * (uy & 1) +
+           4 * (uz & 1);
+  }
+  glm::ivec3 voxel_place(std::size_t voxel) const {
+    const std::size_t block = voxel >> 3, x = block % blocks_[0], y = block / blocks_[0] % blocks_[1],
+                      z = block / blocks_[0] / blocks_[1];
+    return {static_cast<int>(2 * x + (voxel & 1)), static_cast<int>(2 * y + (voxel >> 1 & 1)),
+            static_cast<int>(2 * z + (voxel >> 2 & 1))};
+  }
+  glm::dvec3 voxel_centre(const glm::ivec3 &at) const { return low_ + (glm::dvec3(at) + 0.5) * edge_; }
+  // Among all fine voxels, x fastest.
+  std::size_t fine_row(const glm::ivec3 &voxel, std::size_t part) const {
+    const auto factor = static_cast<std::size_t>(fine_factor_);
+    const std::size_t x = factor * static_cast<std::size_t>(voxel.x) + (part & 1),
+                      y = factor * static_cast<std::size_t>(voxel.y) + (part >> 1 & 1),
+                      z = factor * static_cast<std::size_t>(voxel.z) + (part >> 2);
+    return (z * fine_count_[1] + y) * fine_count_[0] + x;
+  }
+  double from_fine_square(const Spot &spot) const {
+    const double x = std::fabs(spot.from_centre.x) - fine_shift_.x,
+                 y = std::fabs(spot.from_centre.y) - fine_shift_.y,
+                 z = std::fabs(spot.from_centre.z) - fine_shift_.z;
+    return x * x + y * y + z * z;
   }
 
   conceg_box box_;
@@ -155,13 +196,21 @@ private:
   bool any_open_;
   glm::dvec3 low_, edge_, scale_; // the grid, local: lower corner, voxel edges, their inverses
   glm::ivec3 count_;
+  std::size_t blocks_[3] = {};
+  int fine_factor_ = 1;            // fine voxels along a voxel's edge
+  std::size_t fine_count_[3] = {}; // fine voxels
+  glm::dvec3 fine_shift_{0.0};     // from a voxel's centre to those of its fine ones
   std::vector<glm::dvec3> vertex_, lift_;
-  std::vector<Face> faces_;
-  std::vector<Voxel> voxel_;        // one more than there are
-  std::vector<Disc> disc_;          // one more than there are faces
-  std::vector<std::uint32_t> list_; // of each voxel, filled up to fours by the disc that is never crossed
-  float margin_um_ = 0.0f;          // above the rounding of the float test
-  std::vector<std::uint8_t> code_;  // of the source faces
+  HugeVector<Face> faces_;
+  HugeVector<Voxel> voxel_;  // one more than there are
+  HugeVector<Room> room_[2]; // of each voxel that has faces: outside, inside
+  double room_unit_um_ = 1.0, room_scale_ = 1.0;
+  HugeVector<std::uint8_t>
+      free_;              // of each fine voxel: lower bound of the distance from its centre to a membrane
+  HugeVector<Disc> disc_; // one more than there are faces
+  HugeVector<std::uint32_t> list_; // of each voxel, filled up to fours by the disc that is never crossed
+  float margin_um_ = 0.0f;         // above the rounding of the float test
+  std::vector<std::uint8_t> code_; // of the source faces
 };
 
 } // namespace conceg::simulate

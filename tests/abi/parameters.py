@@ -41,6 +41,7 @@ instead = {
     "analyse.points": ("1000", "the upper bound takes minutes"),
     "analyse.field_step_um": ("1", "the lower bound is the default, the upper one is wider than a cell"),
     "render.samples": ("1", "the upper bound takes a minute"),
+    "render.zoom_um": ("6", "the upper bound is wider than the box"),
     "render.size_px": ("64", "the upper bound takes a minute"),
     "fit.diffusivity_max": ("4", "the lower bound is below diffusivity_min"),
     "fit.radius_max_um": ("6.5", "the lower bound is below radius_min_um"),
@@ -69,6 +70,7 @@ same = {
     "characterise.pictures": "a folder for pictures beside the document",
     "characterise.beside": "grown cells for those pictures",
     "mesh.vdb": "a file beside the document",
+    "mesh.checkpoint": "a file for a run that goes on",
     "simulate.csv": "a folder for tables beside the document",
     "simulate.nifti": "a folder for images beside the document",
     "simulate.pictures": "a folder for the figure beside the document",
@@ -88,6 +90,7 @@ texts = {
     "characterise.pictures": "{work}/pictures",
     "characterise.beside": "{work}/mesh.cgx",
     "mesh.vdb": "{work}/cells.vdb",
+    "mesh.checkpoint": "{work}/cells.part",
     "simulate.cells": "0",
     "simulate.kind": "pyramidal",
     "simulate.protocol": "{work}/one.scheme",
@@ -113,6 +116,7 @@ texts = {
     "import.info": "{work}/other_info.txt",
     "render.cells": "0",
     "render.dir": "{work}/rendered",
+    "render.zoom_at": "3,4,5",
 }
 # Options that the flip needs to be seen.
 needs = {
@@ -139,6 +143,7 @@ needs = {
     "triangulate.grade_territory_um": ["--nodes", "graded", "--grade-spacing-radii", "0.5"],
     "render.cut_axis": ["--what", "cut"],
     "render.cut_position": ["--what", "cut"],
+    "render.zoom_at": ["--zoom-um", "6"],
 }
 quick = {"simulate": ["--walkers", "100", "--step-ms", "0.02", "--b", "0,1", "--directions", "2", "--delta-ms", "1", "--separation-ms", "2"],
          "render": ["--size-px", "96"], "analyse": ["--points", "20000"], "mesh": ["--h-um", "0.6"], "relax": ["--iterations", "8"],
@@ -197,8 +202,8 @@ class Parameters:
         (work / "sources.csv").write_text("source,repository,licence,terms\nhere,a/b,MIT,cite\n")
         (work / "glia.csv").write_text(columns + f"{self.source}/data/astrocyte-barcodes.csv,glia,astrocyte,,0,unknown,,,\n")
         signals = [0.8, 0.66, 0.43, 0.31, 0.25, 0.21, 0.16]
-        rows = [f"{name},{b},{1 if b == 0 else signals[i - 1] * scale}" for name, scale in (("intra", 1), ("all", 0.9)) for i, b in enumerate([0, 0.5, 1, 2, 3, 4, 6, 10])]
-        (work / "signals.csv").write_text("compartment,b,signal\n" + "\n".join(rows) + "\n")
+        rows = [f"{name},{b},{1 if b == 0 else signals[i - 1] * scale},{0.001 * (i + 1)}" for name, scale in (("intra", 1), ("all", 0.9)) for i, b in enumerate([0, 0.5, 1, 2, 3, 4, 6, 10])]
+        (work / "signals.csv").write_text("compartment,b,signal,standard_error\n" + "\n".join(rows) + "\n")
         (work / "signals.txt").write_text("1 0.8 0.4\n")
         (work / "bvals").write_text("0 1000 3000\n")
         (work / "bvecs").write_text("0 1 0\n0 0 1\n0 0 0\n")

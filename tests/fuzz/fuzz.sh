@@ -12,7 +12,7 @@ done
 cc=clang-14
 command -v ccache > /dev/null && cc="ccache clang-14"
 targets="document swc recipe plugin_table" importing=""
-[ -z "$glm" ] || targets="$targets import"
+[ -z "$glm" ] || targets="$targets import scheme"
 parsing="doc model_open digest h5_read h5_type stream texts tree validate validate_form validate_links validate_values array swc swc_file swc_floating swc_parse swc_number swc_link swc_ids swc_tree swc_soma swc_plus yaml grammar recipe node params plugin"
 failed=0
 mkdir -p "$folder/objects" "$folder/found" || exit 1
@@ -42,6 +42,9 @@ if [ -n "$glm" ]; then
   for plant in "" -DCONCEG_FUZZ_PLANT; do
     clang++-14 $cxxflags $plant -fsanitize=fuzzer "$source/tests/fuzz/fuzz_import.cpp" objects/import-*.o libconceg.a $libraries $json -o "fuzz_import${plant:+_planted}" || exit 1
   done
+  # The parsers of the simulate stage.
+  clang++-14 $cxxflags -fsanitize=fuzzer -I"$source/stages/simulate" "$source/tests/fuzz/fuzz_scheme.cpp" "$source/stages/simulate/scheme_files.cpp" \
+    "$source/stages/simulate/protocol.cpp" libconceg.a $libraries -o fuzz_scheme || exit 1
 fi
 link -DCONCEG_FUZZ_PLANT -fsanitize=fuzzer "$source/tests/fuzz/fuzz_recipe.c" libconceg.a -o planted
 link "$source/tests/fuzz/make_seeds.c" libconceg.a -o make_seeds
@@ -54,7 +57,12 @@ find "$source/spec/conformance" -name '*.cgx' -size -40k -exec cp {} seeds/docum
 cp "$source"/tests/swc/fixtures/*.swc seeds/swc/
 cp "$source"/apps/recipes/*.yaml "$source"/tests/pipe/small.yaml seeds/recipe/
 head -c 200 "$source/README.md" > seeds/plugin_table/text
-[ -z "$glm" ] || sh "$source/tests/fuzz/import_seeds.sh" seeds/import || exit 1
+if [ -n "$glm" ]; then
+  sh "$source/tests/fuzz/import_seeds.sh" seeds/import || exit 1
+  printf 'VERSION: STEJSKALTANNER\n0 0 0 0 0.02 0.005 0.026\n1 0 0 0.1746066 0.02 0.005 0.026\n' > seeds/scheme/pulses
+  printf 'VERSION: GRADIENT_WAVEFORM\n4 0.001 0.04 0 0 0.04 0 0 -0.04 0 0 -0.04 0 0\n' > seeds/scheme/waveform
+  printf '0 1000 2000\n|0 1 0\n0 0 0.6\n0 0 0.8\n' > seeds/scheme/fsl
+fi
 
 # ---- What once broke a target, and a bug that is there on purpose ----
 old=0
@@ -90,7 +98,7 @@ search() { # search TARGET: executions to TARGET.executions, findings to found/
 }
 search document & search swc & wait
 search recipe & search plugin_table & wait
-[ -z "$glm" ] || search import
+[ -z "$glm" ] || { search import & search scheme & wait; }
 
 # ---- Findings ----
 inside=0

@@ -31,7 +31,8 @@ void keep_line(void *user, conceg_log_level, const char *line) {
   static_cast<std::string *>(user)->append(line).append("\n");
 }
 
-template <class Spoil> Run run(std::uint32_t threads, bool skeleton, bool meshes, Spoil spoil) {
+template <class Spoil>
+Run run(std::uint32_t threads, bool skeleton, bool meshes, Spoil spoil, const char *set = nullptr) {
   Run out;
   conceg_ctx *ctx = conceg_ctx_new();
   conceg_ctx_set_threads(ctx, threads);
@@ -44,7 +45,7 @@ template <class Spoil> Run run(std::uint32_t threads, bool skeleton, bool meshes
   if (skeleton) testing::put_skeleton(doc);
   if (meshes) testing::put_meshes(doc, 4);
   spoil(doc);
-  const char *sets[] = {"analyse.points=50000", nullptr};
+  const char *sets[] = {"analyse.points=50000", set, nullptr};
   CHECK_EQUAL(conceg_params_new(ctx, &conceg_stage_analyse, doc, nullptr, sets, nullptr, &params), CONCEG_OK);
   out.status = conceg_stage_run(ctx, &conceg_stage_analyse, doc, params);
   out.error = conceg_ctx_error(ctx);
@@ -90,6 +91,49 @@ void without_meshes() {
   CHECK(std::isnan(bare.value("passing_axons")));
 }
 
+// One leaf of voxels of 2.5 um: read when that is fine enough, left alone when it is not.
+void volumes_are_read_where_they_suffice() {
+  const auto put_volume = [](conceg_doc *doc) {
+    const double origin[3] = {1.25, 1.25, 1.25}, spacing[3] = {2.5, 2.5, 2.5};
+    const std::uint64_t shape[3] = {8, 8, 8};
+    put(doc, "/volumes@origin", origin, 3);
+    put(doc, "/volumes@spacing", spacing, 3);
+    put(doc, "/volumes@shape", shape, 3);
+    put(doc, "/volumes/leaf_origin", std::vector<std::int32_t>{0, 0, 0}, 3);
+    std::vector<std::uint32_t> label(512, 0);
+    std::fill(label.begin(), label.begin() + 128, 1u);
+    put(doc, "/volumes/label", label, 512);
+  };
+  const Run fine = run(2, true, false, put_volume, "analyse.field_step_um=2.5");
+  CHECK_EQUAL(fine.status, CONCEG_OK);
+  CHECK_NEAR(fine.value("icvf_field"), 0.25, 1e-12);
+  CHECK_NEAR(fine.value("field_step"), 2.5, 1e-12);
+  CHECK(fine.log.find("that of /volumes/label") != std::string::npos);
+  const Run coarse = run(2, true, false, put_volume, "analyse.field_step_um=0.5");
+  CHECK_NEAR(coarse.value("icvf_field"),
+             run(2, true, false, nothing, "analyse.field_step_um=0.5").value("icvf_field"), 0);
+  CHECK(std::isnan(fine.value("ecs_cleft_width")));
+  const Run pores = run(2, true, false, [&](conceg_doc *doc) {
+    put_volume(doc);
+    std::vector<float> distance(512, -1.0f);
+    for (std::size_t i = 128; i < 512; i++)
+      distance[i] = i % 2 ? 0.1f : 0.3f;
+    put(doc, "/volumes/distance", distance, 512);
+  });
+  CHECK_NEAR(pores.value("ecs_cleft_width"), 0.8, 1e-6);
+  const Run alone = run(2, false, false, put_volume, "analyse.field_step_um=3");
+  CHECK_NEAR(alone.value("icvf_field"), 0.25, 1e-12);
+  const Run wrong = run(
+      2, true, false,
+      [&](conceg_doc *doc) {
+        put_volume(doc);
+        put(doc, "/volumes/label", std::vector<std::uint32_t>(512, 9), 512);
+      },
+      "analyse.field_step_um=3");
+  CHECK_EQUAL(wrong.status, CONCEG_E_FORMAT);
+  CHECK(wrong.error.find("/volumes/label[0]") != std::string::npos);
+}
+
 // Class axon without a soma is no cell of the box; class axon with one, and others without, are.
 void passing_axons_are_no_cells() {
   const Run axons = run(2, true, false, [](conceg_doc *doc) {
@@ -133,6 +177,7 @@ void planted_defects() {
 int main() {
   tables();
   without_meshes();
+  volumes_are_read_where_they_suffice();
   passing_axons_are_no_cells();
   disagreement_is_warned_about();
   planted_defects();

@@ -92,6 +92,91 @@ void field_of_a_ball_and_a_capsule() {
   CHECK(one.soma == many.soma && one.neurite == many.neurite);
 }
 
+// A ball through a face and a rod of another cell, as labels: the shares are those of the shapes.
+void labels_of_a_ball_and_a_rod() {
+  Cells cells;
+  add_cell(cells, {0.5, 5, 5}, 2);
+  add_cell(cells, {5, 5, 5}, 0);
+  const int side = 100; // not a multiple of 8: the last leaves reach beyond the box
+  std::vector<std::int32_t> leaf;
+  std::vector<std::uint32_t> label;
+  std::size_t rod = 0;
+  for (int x = 0; x < side; x += 8)
+    for (int y = 0; y < side; y += 8)
+      for (int z = 0; z < side; z += 8) {
+        leaf.insert(leaf.end(), {x, y, z});
+        for (int voxel = 0; voxel < 512; voxel++) {
+          const glm::ivec3 at(x + voxel / 64, y + voxel / 8 % 8, z + voxel % 8);
+          const glm::dvec3 p = (glm::dvec3(at) + 0.5) * 0.1;
+          glm::dvec3 from = p - glm::dvec3(0.5, 5, 5);
+          from.x -= 10 * std::round(from.x / 10);
+          const bool in_rod = std::abs(p.x - 5) < 0.5 && std::abs(p.z - 5) < 0.5 &&
+                              at.y<side, branch = from.x> 1.9 && from.x < 3 && std::abs(from.y) < 0.5 &&
+                              std::abs(from.z) < 0.5;
+          const bool beyond = at.x >= side || at.y >= side || at.z >= side;
+          label.push_back(beyond ? 0 : glm::length(from) < 2 || branch ? 1 : in_rod ? 2 : 0);
+          rod += label.back() == 2 || (label.back() == 1 && glm::length(from) >= 2);
+        }
+      }
+  LabelVolume volume = {glm::dvec3(0.05), glm::dvec3(0.1), {100, 100, 100},
+                        leaf.size() / 3,  leaf.data(),     label.data()};
+  const conceg_box box = box_of(10);
+  check(volume, cells, box);
+  Workers one(1), three(3);
+  const FieldShares shares = label_shares(volume, cells, box, one),
+                    again = label_shares(volume, cells, box, three);
+  CHECK_EQUAL(shares.voxels, 1000000);
+  CHECK_NEAR(shares.soma, 4.0 / 3 * pi * 8 / 1000, 2e-4);
+  CHECK_NEAR(shares.neurite, double(rod) / 1e6, 1e-15);
+  CHECK(rod > 10000 && again.soma == shares.soma && again.neurite == shares.neurite);
+  label[5] = 3;
+  CHECK(says(failure([&] { check(volume, cells, box); }), "/volumes/label[0]: expected at most 2, got 3"));
+  label[5] = 0, leaf[4] = 104;
+  CHECK(says(failure([&] { check(volume, cells, box); }), "/volumes/leaf_origin[1]"));
+  leaf[4] = 0, volume.shape[1] = 90;
+  CHECK(says(failure([&] { check(volume, cells, box); }), "/volumes@shape[1]"));
+}
+
+// Plates of cells with clefts of 0.3 um between them, on voxels wider than that; and a leaf that is left out.
+void clefts_between_plates() {
+  Cells cells;
+  add_cell(cells, {5, 5, 5}, 0);
+  const double pitch = 1.25 * 1.6180339887, width = 0.3, step = 10.0 / 64, band = 0.31;
+  std::vector<std::int32_t> leaf;
+  std::vector<std::uint32_t> label;
+  std::vector<float> distance;
+  for (int x = 0; x < 64; x += 8)
+    for (int y = 0; y < 64; y += 8)
+      for (int z = 0; z < 64; z += 8) {
+        leaf.insert(leaf.end(), {x, y, z});
+        for (int voxel = 0; voxel < 512; voxel++) {
+          const glm::dvec3 p = (glm::dvec3(x + voxel / 64, y + voxel / 8 % 8, z + voxel % 8) + 0.5) * step;
+          const double along = p.x + 0.31 * p.y + 0.47 * p.z,
+                       slope = std::sqrt(1 + 0.31 * 0.31 + 0.47 * 0.47),
+                       place = along / slope - pitch * std::floor(along / slope / pitch); // 0 .. pitch
+          const double d = std::min(place, width - place); // above 0 in the cleft
+          label.push_back(d > 0 ? 0 : 1);
+          distance.push_back(static_cast<float>(std::max(-band, std::min(band, d))));
+        }
+      }
+  Workers one(1), three(3);
+  LabelVolume volume = {glm::dvec3(0.5 * step), glm::dvec3(step), {64, 64, 64},
+                        leaf.size() / 3,        leaf.data(),      label.data()};
+  check(volume, cells, box_of(10));
+  const Pores pores = pore_sizes(volume, distance.data(), one),
+              again = pore_sizes(volume, distance.data(), three);
+  CHECK_NEAR(double(pores.voxels) / 262144, width / pitch, 0.01);
+  CHECK_NEAR(pores.cleft_width(), width, 0.003);
+  CHECK_NEAR(pores.median, width / 4, 0.002);
+  CHECK_NEAR(pores.p95, 0.475 * width, 0.002);
+  CHECK(pores.mean == again.mean && pores.p95 == again.p95);
+  // Without its last leaf, whose voxels now count as the band.
+  volume.leaves--;
+  distance[0] = static_cast<float>(band), label[0] = 0;
+  const Pores less = pore_sizes(volume, distance.data(), one);
+  CHECK_NEAR(less.beyond * double(less.voxels), 513, 1e-6);
+}
+
 void three_measures_agree() {
   Cells cells;
   Meshes meshes;
@@ -179,6 +264,8 @@ int main() {
   sizes_of_shapes();
   inside_out_is_named();
   field_of_a_ball_and_a_capsule();
+  labels_of_a_ball_and_a_rod();
+  clefts_between_plates();
   three_measures_agree();
   points_in_an_open_box();
   bad_arrays_are_named();

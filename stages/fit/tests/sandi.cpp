@@ -205,9 +205,37 @@ void errors() {
   CHECK_NEAR(from_residuals / said[1], 1.0, 0.1);
 }
 
+// Shells whose errors differ tenfold: weights bring the fit nearer to the truth, by as much as the standard
+// errors say.
+void weighted() {
+  Model plain = reduced(3), model = plain;
+  model.weighted = true;
+  const Sphere sphere = sphere_of(model);
+  const Shells clean = forward(model, sphere, {0, 0.3, 7, 2, 1, 3});
+  constexpr int runs = 200;
+  double sum = 0.0, squares = 0.0, plain_squares = 0.0, said = 0.0, plain_said = 0.0;
+  for (int run = 0; run < runs; run++) {
+    Shells s = clean;
+    conceg_rng rng = conceg_rng_stream(1, "fit.test.weights", static_cast<std::uint64_t>(run));
+    for (std::size_t i = 0; i < s.b.size(); i++) {
+      s.error.push_back(i < 5 ? 2e-3 : 2e-4);
+      s.signal[i] += s.error[i] * conceg_rng_normal(&rng);
+    }
+    const SandiFit fit = fit_sandi(model, sphere, s, 2), other = fit_sandi(plain, sphere, s, 2);
+    const double off = fit.values[soma_radius] - 7.0, other_off = other.values[soma_radius] - 7.0;
+    sum += off, squares += off * off, plain_squares += other_off * other_off;
+    said += fit.error[soma_radius] / runs, plain_said += other.error[soma_radius] / runs;
+  }
+  const double sd = std::sqrt((squares - sum * sum / runs) / (runs - 1));
+  CHECK_NEAR(said / sd, 1.0, 0.18); // 5 % is one standard error of the sd
+  CHECK_NEAR(plain_said / std::sqrt(plain_squares / runs), 1.0, 0.18);
+  CHECK(squares < 0.5 * plain_squares);
+}
+
 } // namespace
 
 int main() {
+  weighted();
   goldens();
   slopes();
   self_consistent();

@@ -20,7 +20,7 @@ struct Run {
   conceg_status status = CONCEG_OK;
   std::string error, bytes, log;
   std::vector<std::string> signal, kernel, errors_from;
-  std::vector<double> f_soma, f_soma_truth, radius, radius_truth, f_extra_truth, shell_b;
+  std::vector<double> f_soma, f_soma_truth, radius, radius_truth, f_extra_truth, shell_b, shell_error;
 };
 
 void keep_line(void *user, conceg_log_level, const char *line) {
@@ -110,7 +110,7 @@ Run run(std::uint32_t threads, const Input &input, std::vector<const char *> set
     out.f_soma_truth = column(doc, "sandi/f_soma_truth"),
     out.radius_truth = column(doc, "sandi/radius_truth");
     out.f_extra_truth = column(doc, "sandi/f_extracellular_truth");
-    out.shell_b = column(doc, "sandi_shell/b");
+    out.shell_b = column(doc, "sandi_shell/b"), out.shell_error = column(doc, "sandi_shell/error");
     CHECK(has(doc, "/statistics/summary/value"));
     CHECK_EQUAL(conceg_doc_validate(doc, "/statistics", nullptr, nullptr), CONCEG_OK);
   } else
@@ -157,6 +157,40 @@ void truths() {
   const Run open =
       run(1, usual(), {}, [](conceg_doc *doc) { put_tissue(doc), testing::put_domain(doc, false); });
   CHECK(open.status == CONCEG_OK && open.f_soma_truth.empty() && !open.radius_truth.empty());
+}
+
+// The errors of averages that the simulation knows stand for those of independent directions.
+void weights() {
+  const auto known = [](conceg_doc *doc) {
+    std::vector<std::uint32_t> shell;
+    std::vector<double> b, error;
+    for (std::uint32_t direction = 0; direction < 3; direction++)
+      for (std::uint32_t i = 0; i < 12; i++)
+        shell.push_back(i);
+    for (int row = 0; row < 2; row++)
+      for (int i = 0; i < 12; i++)
+        error.push_back(1e-4 * (1 + i));
+    for (int i = 0; i < 12; i++)
+      b.push_back(i);
+    put(doc, "/protocol/shell", shell), put(doc, "/signals/powder_b", b);
+    put2(doc, "/signals/powder", error, 2), put2(doc, "/signals/powder_error", error, 2);
+  };
+  const Run r = run(1, usual(), {"fit.soma_diffusivity=2", "fit.weights=errors"}, known);
+  if (r.status != CONCEG_OK) fprintf(stderr, "%s\n", r.error.c_str());
+  CHECK_EQUAL(r.shell_error.size(), 22);
+  for (std::size_t i = 0; i < 11 && r.shell_error.size() == 22; i++) {
+    CHECK_NEAR(r.shell_error[i], 1e-4 * (2.0 + static_cast<double>(i)) / 2.0,
+               1e-12); // over the signal at b = 0
+    CHECK_NEAR(r.shell_error[11 + i], 1e-4 * (2.0 + static_cast<double>(i)), 1e-12);
+  }
+  CHECK_NEAR(r.radius[0], 7, 2e-3);
+  const Run without = run(1, usual());
+  CHECK_NEAR(without.shell_error[3], 1e-4 / std::sqrt(3.0) / 2.0, 1e-12);
+  Input silent = usual();
+  silent.error = 0;
+  const Run none = run(1, silent, {"fit.weights=errors"});
+  CHECK_EQUAL(none.status, CONCEG_E_MISSING);
+  CHECK(none.error.find("use weights=none") != std::string::npos);
 }
 
 void same_bytes() {
@@ -224,6 +258,7 @@ void bad_input() {
 int main() {
   fits();
   truths();
+  weights();
   same_bytes();
   variants();
   bad_input();

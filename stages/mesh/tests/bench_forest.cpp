@@ -30,10 +30,10 @@ private:
   double wall_ = now(CLOCK_MONOTONIC), cpu_ = now(CLOCK_PROCESS_CPUTIME_ID);
 };
 
-std::size_t faces(const std::vector<conceg::mesh::Surface> &surfaces) {
+std::size_t faces(const conceg::mesh::Views &surfaces) {
   std::size_t sum = 0;
   for (const auto &surface : surfaces)
-    sum += surface.face.size();
+    sum += surface.faces;
   return sum;
 }
 
@@ -59,14 +59,18 @@ int main(int argc, char **argv) {
                                finish_options, workers, {});
   clock.lap("finish");
   for (const auto &surface : done.surfaces)
-    label_faces(scene, index, surface, workers);
+    workers.loop(surface.faces, 4096, [&](std::size_t f, unsigned) { label_face(scene, index, surface, f); });
   clock.lap("faces");
+  CheckOptions check_options;
+  check_options.least_gap = finish_options.least_gap();
+  const CheckResult check = check_surfaces(done.surfaces, tissue.box, check_options, workers, {});
+  clock.lap("check");
   double final_volume = 0, detached = 0, gap = 1;
   for (const Pieces &p : done.pieces)
     detached += p.detached_volume;
   for (const auto &surface : done.surfaces)
     final_volume += volume_of(surface);
-  for (const double g : done.check.min_gap)
+  for (const double g : check.min_gap)
     gap = std::min(gap, g);
   rusage usage;
   getrusage(RUSAGE_SELF, &usage);
@@ -74,10 +78,10 @@ int main(int argc, char **argv) {
               scene.cone.size(), tissue.cells(), (unsigned long long)done.base_faces, faces(done.surfaces));
   std::printf("fill %.4f, detached %.4f, min gap %.4f um, %llu pairs, %llu "
               "flaws, %d rounds, %llu repaired\n",
-              final_volume / volume, detached / volume, gap, (unsigned long long)done.check.pairs_checked,
-              (unsigned long long)done.check.errors, done.rounds, (unsigned long long)done.repaired_pairs);
-  for (std::size_t i = 0; i < std::min<std::size_t>(5, done.check.defects.size()); i++)
-    std::printf("  %s\n", describe(done.check.defects[i], done.surfaces).c_str());
+              final_volume / volume, detached / volume, gap, (unsigned long long)check.pairs_checked,
+              (unsigned long long)check.errors, done.rounds, (unsigned long long)done.repaired_pairs);
+  for (std::size_t i = 0; i < std::min<std::size_t>(5, check.defects.size()); i++)
+    std::printf("  %s\n", describe(check.defects[i], done.surfaces).c_str());
   std::printf("peak %.0f MB\n", double(usage.ru_maxrss) / 1024);
-  return done.check.errors != 0;
+  return check.errors != 0;
 }

@@ -6,6 +6,7 @@
 #include "conceg/rng.h"
 #include "extract.hpp"
 #include "finish.hpp"
+#include "volume.hpp"
 
 #include <glm/geometric.hpp>
 
@@ -105,24 +106,74 @@ inline Meshed mesh_of(const Tissue &tissue, SceneOptions options, unsigned threa
   Meshed out;
   out.scene = make_scene(tissue, options);
   out.index = make_index(out.scene, workers, {});
-  Chunks chunks = march_blocks(out.scene, out.index, cluster, workers, {});
+  const std::vector<std::uint8_t> wanted(tissue.cells(), 1);
   std::vector<Apart> apart(tissue.cells());
+  ChunkFile chunks(".", tissue.cells());
+  const std::vector<std::uint32_t> rows = rows_of(out.scene, out.index, wanted).row;
+  workers.loop(rows.size(), 1, [&](std::size_t i, unsigned) {
+    std::vector<ChunkFile::Marched> marched;
+    std::vector<std::uint32_t> cells;
+    march_row(out.scene, out.index, rows[i], cluster, wanted, apart, marched, cells);
+    chunks.add(marched);
+  });
   for (std::uint32_t cell = 0; cell < tissue.cells(); cell++) {
-    out.surfaces.push_back(
-        join_cell(out.scene, out.index, cell, tissue.soma[cell], chunks[cell], apart[cell]));
+    std::vector<Chunk> own = chunks.take(cell);
+    out.surfaces.push_back(join_cell(out.scene, out.index, cell, tissue.soma[cell], own, apart[cell]));
     if (!keep_all) keep_soma_piece(out.surfaces[cell], glm::dvec3(0), tissue.soma_radius[cell] > 0);
   }
   return out;
 }
 
-inline Finished finish_tissue(const Tissue &tissue, SceneOptions scene_options, const FinishOptions &options,
-                              unsigned threads = 1) {
-  scene_options.cluster = options.cluster;
+struct Volume {
+  VolumeLayout layout;
+  std::vector<std::uint32_t> label;
+  std::vector<float> distance;
+};
+
+inline Volume volume_of_tissue(const Tissue &tissue, const SceneOptions &options, unsigned threads = 1) {
+  conceg::Workers workers(threads);
+  Volume volume;
+  volume.layout = lay_out_volume(tissue, options, workers, {});
+  volume.label.resize(volume.layout.values()), volume.distance.resize(volume.layout.values());
+  fill_volume(volume.layout, volume.label.data(), volume.distance.data(), workers, {});
+  return volume;
+}
+
+// A finished tissue with its surfaces in memory, and what the check says of all of them.
+struct Done {
+  std::vector<Surface> surfaces;
+  std::vector<Pieces> pieces;
+  CheckResult check;
+  int rounds = 0;
+  std::uint64_t repaired_pairs = 0, base_faces = 0;
+  std::size_t taken_over = 0;
+};
+
+inline Surface copy_of(const SurfaceView &view) {
+  Surface surface;
+  surface.cell = view.cell, surface.origin = view.origin;
+  surface.vertex.assign(view.relative, view.relative + view.vertices);
+  surface.face.assign(view.face, view.face + view.faces);
+  return surface;
+}
+
+inline Done finish_tissue(const Tissue &tissue, SceneOptions scene_options, FinishOptions options,
+                          unsigned threads = 1, const conceg::Progress &progress = {}) {
+  scene_options.cluster = options.cluster, options.folder = ".";
   conceg::Workers workers(threads);
   const Scene scene = make_scene(tissue, scene_options);
   const Index index = make_index(scene, workers, {});
-  return finish(scene, index, {tissue.soma, tissue.soma, tissue.soma_radius}, tissue.box, options, workers,
-                {});
+  Finished finished = finish(scene, index, {tissue.soma, tissue.soma, tissue.soma_radius}, tissue.box,
+                             options, workers, progress);
+  Done done;
+  for (const SurfaceView &view : finished.surfaces)
+    done.surfaces.push_back(copy_of(view));
+  done.pieces = finished.pieces, done.rounds = finished.rounds, done.base_faces = finished.base_faces;
+  done.repaired_pairs = finished.repaired_pairs, done.taken_over = finished.taken_over;
+  CheckOptions check;
+  check.reach = 1.5 * options.gap, check.least_gap = options.least_gap();
+  done.check = check_surfaces(views_of(done.surfaces), tissue.box, check, workers, {});
+  return done;
 }
 
 } // namespace scenes

@@ -3,6 +3,7 @@
 // any number of threads and wherever the box begins.
 #include "check.h"
 #include "check.hpp"
+#include "pinch.hpp"
 #include "scenes.hpp"
 
 #include <cstring>
@@ -16,15 +17,15 @@ const double pi = 3.14159265358979323846;
 CheckResult judge(const std::vector<Surface> &surfaces, const conceg_box &box, double gap = 0.06) {
   conceg::Workers workers(2);
   CheckOptions options;
-  options.gap = gap;
-  return check_surfaces(surfaces, box, options, workers, {});
+  options.reach = 1.5 * gap;
+  return check_surfaces(views_of(surfaces), box, options, workers, {});
 }
 
 // Every surface sound; prints the first flaw.
 bool sound(const std::vector<Surface> &surfaces, const conceg_box &box, double *gap = nullptr) {
   const CheckResult result = judge(surfaces, box);
   for (const Defect &defect : result.defects) {
-    std::fprintf(stderr, "%s\n", describe(defect, surfaces).c_str());
+    std::fprintf(stderr, "%s\n", describe(defect, views_of(surfaces)).c_str());
     break;
   }
   if (gap) {
@@ -188,6 +189,9 @@ void pieces_are_found() {
   add_cell(tissue, {12, 10, 10}, 1.5); // sits on the tube
   Meshed mesh = mesh_of(tissue, step(0.25));
   const double before = volume_of(mesh.surfaces[0]);
+  conceg::Workers workers(2);
+  const std::vector<Pinch> pinches = predict_pinches(mesh.scene, mesh.index, workers);
+  CHECK(pinches.size() == 1 && pinches[0].cell == 0); // foreseen, named
   const Pieces pieces = keep_soma_piece(mesh.surfaces[0], {}, true);
   CHECK_EQUAL(pieces.detached, 1);
   CHECK(pieces.soma_found);
@@ -195,6 +199,25 @@ void pieces_are_found() {
   CHECK_NEAR(volume_of(mesh.surfaces[0]) + pieces.detached_volume, before, 1e-3);
   CHECK(sound(mesh.surfaces, tissue.box));
   CHECK_EQUAL(euler_characteristic(mesh.surfaces[0]), 2);
+}
+
+// A tube that a neighbour's contact plane cuts: what is left of it decides, not its radius.
+void pinches_are_foreseen() {
+  for (const double distance : {0.75, 0.95, 1.3}) { // between the axes of tubes of 0.5 um
+    Tissue tissue = empty_box(20);
+    add_cell(tissue, {5, 10, 10}, 0);
+    const std::int64_t first = add_point(tissue, {3, 10, 10}, 0.5, -1);
+    std::int64_t at = add_point(tissue, {10, 10, 10}, 0.5, first);
+    add_point(tissue, {17, 10, 10}, 0.5, at);
+    add_tube(tissue, {10, 3, 10 + distance}, {10, 17, 10 + distance}, 0.5);
+    const Meshed mesh = mesh_of(tissue, step(0.4));
+    conceg::Workers workers(1);
+    const std::vector<Pinch> pinches = predict_pinches(mesh.scene, mesh.index, workers);
+    const double grown = mesh.scene.cone[0].rb / double(kFixed) * mesh.scene.grid.unit;
+    const double left = 0.5 * (grown + (distance - grown) - 0.06);
+    CHECK_EQUAL(!pinches.empty(), left < kThinnestTube * 0.4);
+    if (!pinches.empty()) CHECK_NEAR(pinches[0].left_um, left, 0.01);
+  }
 }
 
 void inflation_fills() {
@@ -224,6 +247,7 @@ int main() {
   uneven_box_and_open_sides();
   volume_inside_is_exact();
   pieces_are_found();
+  pinches_are_foreseen();
   inflation_fills();
   return check_done();
 }

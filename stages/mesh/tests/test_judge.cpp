@@ -12,12 +12,12 @@ const conceg_box periodic = {{0, 0, 0}, {10, 10, 10}, {1, 1, 1}};
 
 CheckResult judge(const std::vector<Surface> &surfaces, unsigned threads = 2) {
   conceg::Workers workers(threads);
-  return check_surfaces(surfaces, periodic, {}, workers, {});
+  return check_surfaces(views_of(surfaces), periodic, {}, workers, {});
 }
 
 bool finds(const std::vector<Surface> &surfaces, Flaw flaw) {
   for (const Defect &defect : judge(surfaces).defects)
-    if (defect.flaw == flaw) return !describe(defect, surfaces).empty();
+    if (defect.flaw == flaw) return !describe(defect, views_of(surfaces)).empty();
   return false;
 }
 
@@ -82,7 +82,7 @@ void touching_is_a_crossing() {
   conceg::Workers workers(1);
   CheckOptions options;
   options.least_gap = 0.035;
-  const CheckResult result = check_surfaces(two, periodic, options, workers, {});
+  const CheckResult result = check_surfaces(views_of(two), periodic, options, workers, {});
   CHECK(!result.defects.empty() && result.defects[0].flaw == Flaw::near && result.errors == 0 &&
         result.crossings == 0);
 }

@@ -3,60 +3,16 @@
 // threads.
 #include "check.h"
 #include "check.hpp"
-#include "conceg/conceg.h"
-#include "scenes.hpp"
-#include "view.hpp"
+#include "document.hpp"
 
 #include <cstring>
 #include <string>
 
-extern "C" const conceg_stage conceg_stage_mesh;
-
 namespace {
 
 using conceg::must;
-using conceg::put;
-using conceg::put3;
-using conceg::put_scalar;
-using conceg::put_texts;
 using conceg::view;
-
-conceg_doc *document_of(conceg_ctx *ctx, const conceg::mesh::Tissue &tissue) {
-  conceg_doc *doc = nullptr;
-  must(conceg_doc_new(ctx, &doc));
-  const double pia[3] = {0, 0, 1};
-  put(doc, "/domain@lo", tissue.box.lo, 3);
-  put(doc, "/domain@hi", tissue.box.hi, 3);
-  put(doc, "/domain@periodic", tissue.box.periodic, 3);
-  put(doc, "/domain@pia", pia, 3);
-  put_scalar(doc, "/domain@lattice_step", CONCEG_LATTICE_STEP_UM);
-  put_texts(doc, "/types/name", {"ball"});
-  put_texts(doc, "/types/class", {"other"});
-  std::vector<std::uint64_t> id;
-  for (std::uint64_t i = 0; i < tissue.cells(); i++)
-    id.push_back(i + 1);
-  put(doc, "/cells/id", id);
-  put(doc, "/cells/type", std::vector<std::uint32_t>(tissue.cells()));
-  put3(doc, "/cells/soma", tissue.soma);
-  put(doc, "/cells/radius", tissue.soma_radius);
-  put(doc, "/skeleton/cell_offset", tissue.offset);
-  put3(doc, "/skeleton/position", tissue.point);
-  put(doc, "/skeleton/radius", tissue.radius);
-  put(doc, "/skeleton/target_radius", tissue.radius);
-  put(doc, "/skeleton/parent", tissue.parent);
-  put(doc, "/skeleton/kind", tissue.kind);
-  return doc;
-}
-
-conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const std::vector<const char *> &sets) {
-  std::vector<const char *> list = sets;
-  list.push_back(nullptr);
-  conceg_params *params = nullptr;
-  must(conceg_params_new(ctx, &conceg_stage_mesh, doc, nullptr, list.data(), nullptr, &params));
-  const conceg_status status = conceg_stage_run(ctx, &conceg_stage_mesh, doc, params);
-  conceg_params_free(params);
-  return status;
-}
+using scenes::document_of;
 
 std::string digest(conceg_doc *doc, const char *group) {
   char hex[65] = "";
@@ -70,7 +26,7 @@ void meshes_are_written(const conceg::mesh::Tissue &tissue) {
     conceg_ctx *ctx = conceg_ctx_new();
     conceg_ctx_set_threads(ctx, threads);
     conceg_doc *doc = document_of(ctx, tissue);
-    const conceg_status status = run(ctx, doc, {"mesh.h_um=0.3"});
+    const conceg_status status = scenes::run_stage(ctx, doc, {"mesh.h_um=0.3"});
     CHECK_TEXT(conceg_ctx_error(ctx), "");
     CHECK_EQUAL(status, CONCEG_OK);
     if (threads == 1) {
@@ -112,13 +68,13 @@ void bad_input_is_refused(const conceg::mesh::Tissue &sound) {
   conceg::mesh::Tissue broken = sound;
   broken.parent[2] = 5; // later than itself
   doc = document_of(ctx, broken);
-  CHECK(run(ctx, doc, {}) != CONCEG_OK);
+  CHECK(scenes::run_stage(ctx, doc, {}) != CONCEG_OK);
   CHECK(std::strstr(conceg_ctx_error(ctx), "parent") != nullptr);
   must(conceg_doc_close(doc));
   broken = sound;
   broken.point[3].x = 1e9;
   doc = document_of(ctx, broken);
-  CHECK_EQUAL(run(ctx, doc, {}), CONCEG_E_RANGE);
+  CHECK_EQUAL(scenes::run_stage(ctx, doc, {}), CONCEG_E_RANGE);
   CHECK(!conceg_doc_has(doc, "/meshes"));
   must(conceg_doc_close(doc));
   conceg_ctx_free(ctx);
@@ -129,7 +85,7 @@ void cancelling_stops() {
   conceg_doc *doc = document_of(ctx, scenes::forest(20, 2, 500, 3));
   conceg_ctx_set_progress(
       ctx, [](void *, const char *, std::uint64_t, std::uint64_t) { return 1; }, nullptr);
-  CHECK_EQUAL(run(ctx, doc, {}), CONCEG_E_CANCELLED);
+  CHECK_EQUAL(scenes::run_stage(ctx, doc, {}), CONCEG_E_CANCELLED);
   must(conceg_doc_close(doc));
   conceg_ctx_free(ctx);
 }
@@ -138,20 +94,58 @@ void soma_alone_and_no_cells() {
   conceg_ctx *ctx = conceg_ctx_new();
   conceg::mesh::Tissue tissue = scenes::empty_box(20);
   conceg_doc *doc = document_of(ctx, tissue);
-  CHECK_EQUAL(run(ctx, doc, {}), CONCEG_OK);
+  CHECK_EQUAL(scenes::run_stage(ctx, doc, {}), CONCEG_OK);
   CHECK_TEXT(conceg_ctx_error(ctx), "");
   must(conceg_doc_close(doc));
   scenes::add_cell(tissue, {10, 10, 10}, 5);
   doc = document_of(ctx, tissue);
-  CHECK_EQUAL(run(ctx, doc, {}), CONCEG_OK);
+  CHECK_EQUAL(scenes::run_stage(ctx, doc, {}), CONCEG_OK);
   CHECK_NEAR(view<double>(doc, "/meshes/volume")[0], 523.6, 3.0);
   must(conceg_doc_close(doc));
+  conceg_ctx_free(ctx);
+}
+
+// What the volumes take is known and refused before the meshes are made.
+void volumes_fit_the_memory() {
+  conceg_ctx *ctx = conceg_ctx_new();
+  conceg_ctx_set_memory(ctx, 4u << 20);
+  conceg_doc *doc = document_of(ctx, scenes::forest(20, 2, 300, 3));
+  CHECK_EQUAL(scenes::run_stage(ctx, doc, {"mesh.h_um=0.6", "mesh.volume_step_um=0.2"}), CONCEG_E_NOMEM);
+  CHECK(std::strstr(conceg_ctx_error(ctx), "volume_step_um: voxels of 0.200 um take") != nullptr);
+  CHECK(!conceg_doc_has(doc, "/meshes") && !conceg_doc_has(doc, "/volumes"));
+  must(conceg_doc_close(doc));
+  conceg_ctx_free(ctx);
+}
+
+void smooth_takes_a_single_cell() {
+  conceg_ctx *ctx = conceg_ctx_new();
+  conceg_doc *doc = document_of(ctx, scenes::forest(40, 2, 60, 3));
+  CHECK(scenes::run_stage(ctx, doc, {"mesh.smooth=true", "mesh.h_um=0.4"}) != CONCEG_OK);
+  CHECK(std::strstr(conceg_ctx_error(ctx),
+                    conceg::vdb_available() ? "expected a single cell, got 2" : "no OpenVDB") != nullptr);
+  must(conceg_doc_close(doc));
+  if (conceg::vdb_available()) {
+    doc = document_of(ctx, scenes::forest(60, 1, 100, 3));
+    CHECK_EQUAL(scenes::run_stage(ctx, doc, {"mesh.smooth=true", "mesh.h_um=0.25", "mesh.volumes=false"}),
+                CONCEG_OK);
+    CHECK_TEXT(conceg_ctx_error(ctx), "");
+    CHECK_EQUAL(view<std::uint8_t>(doc, "/meshes/closed")[0], 1);
+    CHECK_EQUAL(view<std::uint64_t>(doc, "/meshes@crossings")[0], 0);
+    CHECK(!conceg_doc_has(doc, "/volumes"));
+    std::size_t soma = 0;
+    for (const std::uint8_t code : view<std::uint8_t>(doc, "/meshes/compartment"))
+      soma += code == 1;
+    CHECK(soma > 1000 && soma < view<std::uint32_t>(doc, "/meshes/face", 3).rows());
+    must(conceg_doc_close(doc));
+  }
   conceg_ctx_free(ctx);
 }
 
 } // namespace
 
 int main() {
+  volumes_fit_the_memory();
+  smooth_takes_a_single_cell();
   meshes_are_written(scenes::forest(20, 2, 500, 3));
   bad_input_is_refused(scenes::forest(20, 1, 50, 3));
   cancelling_stops();

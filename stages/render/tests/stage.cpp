@@ -77,6 +77,16 @@ static void check_picture(const std::string &path, int size) {
   CHECK(colours.size() > 10);
 }
 
+static std::string contents(const std::string &path) {
+  std::ifstream in(path, std::ios::binary);
+  return std::string(std::istreambuf_iterator<char>(in), {});
+}
+
+static std::string place_of_cell(std::size_t cell) {
+  const glm::dvec3 &p = testing::centres[cell];
+  return std::to_string(p.x) + "," + std::to_string(p.y) + "," + std::to_string(p.z);
+}
+
 static void pictures() {
   CHECK_EQUAL(run(true, true, {"dir=" + dir_of("both/deep")}), CONCEG_OK);
   check_picture(dir_of("both/deep/cells.png"), 240);
@@ -92,6 +102,18 @@ static void pictures() {
   CHECK_EQUAL(run(false, true, {"dir=" + dir_of("whole"), "whole=true", "samples=1", "elevation_deg=90"}),
               CONCEG_OK);
   check_picture(dir_of("whole/cells.png"), 240);
+  CHECK_EQUAL(run(false, true, {"dir=" + dir_of("two"), "cells=0,id:30", "what=cells"}), CONCEG_OK);
+  check_picture(dir_of("two/cells.png"), 240);
+  // A corner of the box with one cell's soma in it, plain and with wires: two pictures that differ.
+  CHECK_EQUAL(run(false, true, {"dir=" + dir_of("zoom"), "zoom_um=9", "zoom_at=" + place_of_cell(0)}),
+              CONCEG_OK);
+  check_picture(dir_of("zoom/cells.png"), 240);
+  check_picture(dir_of("zoom/cut.png"), 240);
+  CHECK_EQUAL(
+      run(false, true, {"dir=" + dir_of("wire"), "zoom_um=9", "zoom_at=" + place_of_cell(0), "wire=true"}),
+      CONCEG_OK);
+  CHECK(contents(dir_of("zoom/cells.png")) != contents(dir_of("wire/cells.png")));
+  CHECK(contents(dir_of("zoom/cut.png")) == contents(dir_of("wire/cut.png")));
 }
 
 static int cancel(void *, const char *, uint64_t, uint64_t) {
@@ -108,6 +130,8 @@ static void bad_input() {
   CHECK_EQUAL(run(true, true, {"dir=" + dir_of("none"), "cells=9"}, &error), CONCEG_E_RANGE);
   CHECK(run(true, true, {"dir=" + dir_of("none"), "size_px=1"}, &error) != CONCEG_OK);
   CHECK(run(true, true, {"dir=" + dir_of("none"), "cut_position=1.5"}, &error) != CONCEG_OK);
+  CHECK_EQUAL(run(true, true, {"dir=" + dir_of("none"), "zoom_um=5", "zoom_at=1,2"}, &error), CONCEG_E_PARAM);
+  CHECK(error.find("zoom_at") != std::string::npos);
   CHECK_EQUAL(run(true, true, {"dir=" + dir_of("none")}, &error, cancel), CONCEG_E_CANCELLED);
   CHECK(!fs::exists(dir_of("none/cells.png")));
   std::ofstream(dir_of("plain")) << "x";

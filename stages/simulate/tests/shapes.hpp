@@ -17,6 +17,15 @@ inline conceg_box cube(double side) {
   return {{0.0, 0.0, 0.0}, {side, side, side}, {1, 1, 1}};
 }
 
+// The image of a difference of places that is shortest along each axis.
+inline glm::dvec3 nearest_image(const conceg_box &box, glm::dvec3 d) {
+  for (int axis = 0; axis < 3; axis++) {
+    const double side = conceg_box_side(&box, axis);
+    d[axis] -= side * std::round(d[axis] / side);
+  }
+  return d;
+}
+
 inline void add_face(Membranes &m, std::uint32_t a, std::uint32_t b, std::uint32_t c,
                      std::uint32_t cell = 0) {
   m.face.emplace_back(a, b, c), m.cell.push_back(cell), m.code.push_back(1);

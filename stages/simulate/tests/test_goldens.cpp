@@ -66,7 +66,7 @@ std::vector<Start> starts(const Case &c, const Walls &walls, std::size_t count, 
 
 int main(int argc, char **argv) {
   const std::uint64_t seed = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 1;
-  const std::size_t asked = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 500;
+  const std::size_t asked = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1500;
   Workers workers(2);
   ChiSquare all;
   double worst = 0.0;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Laws that walkers must keep: free diffusion, displacements in pores, the surface-to-volume law of short
-// times, absorption through a permeable wall, detailed balance, the order of the mesh's error, a cut
-// cylinder. test_physics [SEED FACTOR]: FACTOR times the walkers; every value is printed with its z score.
+// times, absorption through a permeable wall, detailed balance, exchange (Karger), the order of the mesh's
+// error, a cut cylinder. test_physics [SEED FACTOR]: FACTOR times the walkers; every value is printed with
+// its z score.
 #include "shapes.hpp"
 #include "statistics.hpp"
 
@@ -280,6 +281,51 @@ void test_balance(Workers &workers) {
   }
 }
 
+// Sheets of 0.7 um with D 0.1 between gaps of 0.3 um with D 1, gradients along them: free diffusion within
+// each, and exchange that is slow beside the way across, so that the equations of Karger (1985) hold. Signals
+// by their integration for a share of 0.7 and 0.05 exchanges per ms out of the sheets. From middle to middle
+// an exchange passes the membrane and, on average, a sixth of each layer: R = 1 / kappa + a / 6 D + a' / 6
+// D', rate = 2 / (a R).
+void test_exchange(Workers &workers) {
+  const double side = 2.0;
+  Membranes m;
+  for (const double z : {0.15, 1.15})
+    add_plane(m, z, side, false), add_plane(m, z + 0.7, side, true);
+  Physics physics;
+  physics.intra.diffusivity = 0.1, physics.extra.diffusivity = 1.0, physics.step_ms = 5e-4;
+  const double resistance = 2.0 / (0.7 * 0.05);
+  physics.permeability.assign(m.face.size(), 1.0 / (resistance - 0.7 / 0.6 - 0.3 / 6.0));
+  const Walls walls(cube(side), m, 1.01 * step_length(physics.extra, physics.step_ms), workers, Progress());
+  const double b[] = {0.5, 1, 2, 3, 5, 10};
+  std::vector<Pulses> rows;
+  for (const double value : b)
+    rows.push_back({value, {1, 0, 0}, 5, 20, 25, 0}), rows.push_back({value, {0, 1, 0}, 5, 20, 25, 0});
+  const Protocol protocol = pulsed(rows);
+  std::vector<Start> start;
+  for (std::uint64_t i = 0; i < 2000 * factor; i++) {
+    conceg_rng rng = conceg_rng_stream(seed, "test.exchange", i);
+    glm::dvec3 p;
+    for (int axis = 0; axis < 3; axis++)
+      p[axis] = side * conceg_rng_uniform(&rng);
+    const double z = std::fmod(p.z, 1.0);
+    start.push_back({p, z > 0.15 && z < 0.85, i});
+  }
+  std::vector<std::vector<double>> sample;
+  for (const Walk &w : go(walls, protocol.timeline, physics, start, workers)) {
+    std::vector<double> row;
+    for (std::size_t r = 0; r < rows.size(); r += 2)
+      row.push_back(0.5 * (std::cos(glm::dot(protocol.coefficient[r], w.vector[0])) +
+                           std::cos(glm::dot(protocol.coefficient[r + 1], w.vector[0]))));
+    sample.push_back(row);
+  }
+  hold("sheets, Karger exchange: S at b 0.5 .. 10", sample,
+       {0.83868982, 0.71528667, 0.54253285, 0.42969117, 0.29325957, 0.14176369});
+  // Without exchange it would be another signal.
+  const Deviation apart =
+      deviation(sample, {0.84781981, 0.74375005, 0.61371214, 0.53350890, 0.42659287, 0.25752926});
+  CHECK(apart.z[4] < -4.5);
+}
+
 // Corners on the sphere: the error of coarse meshes falls as the square of the edge.
 void test_refinement(Workers &workers) {
   const conceg_box box = cube(12.0);
@@ -341,6 +387,7 @@ int main(int argc, char **argv) {
   test_surface(workers);
   test_absorption(workers);
   test_balance(workers);
+  test_exchange(workers);
   test_refinement(workers);
   std::printf("seed %llu: largest |z| %.2f; chi2 %.1f of %zu, p %.4f\n",
               static_cast<unsigned long long>(seed), worst, all.value, all.degrees, all.p());
