@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace conceg::relax {
 
@@ -108,7 +109,7 @@ Cut cut_radii(const Bodies &bodies, const std::vector<Pair> &pairs, const glm::d
   const std::vector<double> asked_for = radius;
   const Incidence incidence(bodies, pairs);
   std::vector<std::array<double, 4>> asked(pairs.size(), {0, 0, 0, 0});
-  std::vector<std::uint8_t> asks(pairs.size(), 0);
+  std::vector<std::uint8_t> asks(pairs.size(), 0), listed(bodies.radius.size(), 0);
   std::vector<std::uint32_t> open(pairs.size()), touched;
   for (std::size_t k = 0; k < pairs.size(); k++)
     open[k] = static_cast<std::uint32_t>(k);
@@ -123,9 +124,9 @@ Cut cut_radii(const Bodies &bodies, const std::vector<Pair> &pairs, const glm::d
     touched.clear();
     for (const std::uint32_t k : open)
       for (const std::uint32_t r : radii_of(bodies, pairs[k]))
-        touched.push_back(r);
-    std::sort(touched.begin(), touched.end());
-    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+        if (!std::exchange(listed[r], std::uint8_t{1})) touched.push_back(r);
+    for (const std::uint32_t r : touched)
+      listed[r] = 0;
     workers.loop(touched.size(), 256, [&](std::size_t n, unsigned) {
       const std::uint32_t r = touched[n];
       double largest = 0;
