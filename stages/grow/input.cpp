@@ -179,8 +179,32 @@ void read_bars(conceg_doc *doc, Input &input) {
     check_family(bars, cell);
 }
 
-void check_points(const Earlier &earlier) {
-  all_finite("/skeleton/position", earlier.position, 3 * earlier.rows);
+// As far from the box as a bar is long at most, so that lifts stay small.
+void check_places(const Input &input) {
+  const Earlier &earlier = input.earlier;
+  constexpr double farthest_um = 1e5;
+  for (std::size_t i = 0; i < 3 * earlier.rows; i++) {
+    const double place = earlier.position[i], low = input.box.lo[i % 3], high = input.box.hi[i % 3];
+    if (!(place > low - farthest_um && place < high + farthest_um))
+      fail(CONCEG_E_RANGE,
+           "/skeleton/position[%zu]: expected a place within 100 mm of the box, got %g on axis %zu", i / 3,
+           place, i % 3);
+  }
+}
+
+// Bars end where they were asked to, at the farthest.
+void check_achieved(const Input &input) {
+  constexpr double beyond_um = 1e-3; // as growth ends a bar
+  for (std::size_t i = 0; i < input.bars.count; i++) {
+    const double start = input.earlier.achieved_start[i], end = input.earlier.achieved_end[i];
+    if (!(start >= 0.0 && end >= start && end <= input.bars.asked_end[i] + beyond_um))
+      fail(CONCEG_E_RANGE,
+           "/bars/achieved_end[%zu]: expected 0 <= start <= end <= %g um as asked, got %g and %g um", i,
+           input.bars.asked_end[i], start, end);
+  }
+}
+
+void check_radii(const Earlier &earlier) {
   for (std::size_t i = 0; i < earlier.rows; i++)
     if (!(earlier.radius[i] > 0.0f && earlier.radius[i] < 100.0f))
       fail(CONCEG_E_RANGE, "/skeleton/radius[%zu]: expected a radius above 0 and below 100 um, got %g", i,
@@ -244,7 +268,9 @@ void read_earlier(conceg_doc *doc, Input &input) {
   earlier.cell_offset = offsets(doc, "/skeleton/cell_offset", input.cells.count, rows).data();
   earlier.achieved_start = column(doc, "/bars/achieved_start", input.bars.count);
   earlier.achieved_end = column(doc, "/bars/achieved_end", input.bars.count);
-  check_points(earlier);
+  check_places(input);
+  check_radii(earlier);
+  check_achieved(input);
   check_lines(input);
 }
 

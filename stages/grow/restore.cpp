@@ -103,7 +103,10 @@ void take_up(State &state, std::uint32_t bar) {
   }
   draw_wander(state, bar);
   const double left = state.input.bars.asked_end[bar] - projection.chain.back().path;
-  projection.phase = left <= done_within_um ? Phase::done : Phase::growing;
+  // Without a node near its tip a bar has no edge to go on by.
+  projection.phase = left <= done_within_um                 ? Phase::done
+                     : projection.chain.back().node == none ? Phase::cut_short
+                                                            : Phase::growing;
 }
 
 } // namespace

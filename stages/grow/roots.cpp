@@ -15,8 +15,8 @@ namespace conceg::grow {
 
 namespace {
 
-constexpr double first_node_um = 1.0;           // beyond the surface
-constexpr double least_stub_um = 0.3;           // the node must be that far outside
+constexpr double first_node_um = 1.0;      // beyond the surface
+constexpr double least_stub_um = 0.3;      // the node must be that far outside
 constexpr double search_um[] = {1.2, 2.5, 5.0}; // around the place aimed at
 
 // Free nodes around a place, nearest first (ties: lower node).

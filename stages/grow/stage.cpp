@@ -50,8 +50,7 @@ const conceg_param parameter_table[] = {
      0.5, 3.0},
     {"finish", "",
      "where the document has grown cells, carry on the bars that did not reach their ends instead of growing "
-     "anew "
-     "(second growth, after relax); the recipe must keep: [network]",
+     "anew (second growth, after relax); the recipe must keep: [network]",
      "false", nullptr, CONCEG_PARAM_BOOL, 0, 0.0, 0.0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0.0, 0.0},
 };

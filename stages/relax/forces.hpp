@@ -14,7 +14,7 @@ struct Strength {
   double stretch = 0.5;          // share of a change of length that one iteration takes back
   double bending = 0.02;         // share of a change of bend that one iteration takes back
   double tension = 0.1;          // share of a section's change of length that enters its rest lengths
-  double straightening = 0.01;   // share of what a section's ends came nearer that enters the pull on them
+  double straightening = 0.01;   // share of what a section's ends are too near that enters the pull on them
 };
 
 // What the tissue is like in one iteration: energies in um^2 (forces are displacements), overlaps in um.

@@ -8,7 +8,7 @@ namespace conceg::relax {
 namespace {
 
 constexpr int steps_per_round = 8;
-constexpr double step_share = 1.0;
+constexpr double last_widening = 0.3; // of the first
 
 } // namespace
 
@@ -21,7 +21,7 @@ std::vector<double> pack(Bodies &bodies, const Sections &sections, const conceg_
     for (std::size_t i = 0; i < bodies.points; i++)
       most[i] *= rounds.most;
   Motion short_motion = motion;
-  short_motion.iterations = steps_per_round, short_motion.step = step_share * motion.step;
+  short_motion.iterations = steps_per_round;
   for (int round = 0;; round++) {
     const std::vector<Pair> pairs = collider.find(bodies, most, box, strength.gap, workers).pairs;
     std::vector<double> radius = target;
@@ -29,8 +29,9 @@ std::vector<double> pack(Bodies &bodies, const Sections &sections, const conceg_
     if (round == rounds.count) return radius;
     report(progress, "relax: pack", static_cast<std::uint64_t>(round),
            static_cast<std::uint64_t>(rounds.count));
+    const double widening = rounds.widening * (1 - (1 - last_widening) * round / rounds.count);
     for (std::size_t i = 0; i < bodies.points; i++)
-      bodies.radius[i] = std::min(most[i], radius[i] + rounds.widening * (1 - 0.7 * round / rounds.count));
+      bodies.radius[i] = std::min(most[i], radius[i] + widening);
     move_bodies(bodies, sections, box, strength, short_motion, collider, workers, {});
     bodies.radius = target;
   }

@@ -292,8 +292,9 @@ const conceg_param parameters[] = {
     {"tension", "1", "share of a section's change of length that one step adds to what its segments want",
      "0.1", nullptr, CONCEG_PARAM_F64, 0, 0, 1},
     {"straightening", "1",
-     "share of what the ends of a section came nearer that one step adds to the pull on them", "0.01",
-     nullptr, CONCEG_PARAM_F64, 0, 0, 1},
+     "share of what the ends of a section are too near for its straightness that one step adds to the pull "
+     "on them",
+     "0.01", nullptr, CONCEG_PARAM_F64, 0, 0, 1},
     {"momentum", "1", "share of the last step that goes on (heavy ball)", "0.8", nullptr, CONCEG_PARAM_F64, 0,
      0, 0.99},
     {"step_um", "um", "largest move of a point in one step", "0.05", nullptr, CONCEG_PARAM_F64, 0, 0.0001, 1},

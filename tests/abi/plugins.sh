@@ -46,6 +46,10 @@ expect_true "a failed stage leaves no output" test ! -e "$t/x.cgx"
 expect 3 "needs /skeleton, which the document does not have; run conceg grow before it" \
   sh -c "'$conceg' strip skeleton '$t/toy.cgx' | '$conceg' relax --impl beads -o '$t/x.cgx'"
 
+# A group that is read where it is there may be absent; one that is needed may not.
+expect 0 "" "$conceg" relax --impl modest "$t/toy.cgx" -o "$t/x.cgx"
+rm "$t/x.cgx"
+
 # A second run of what made a group makes its dependents stale: place again drops the spheres of the old skeleton.
 "$conceg" relax --impl beads "$t/toy.cgx" -o "$t/spheres.cgx"
 expect 0 "" "$conceg" run "$t/toy.yaml" --set 'stages=[place,relax]' --set relax.impl=beads -o "$t/both.cgx"
@@ -58,6 +62,7 @@ for fault in "twice:a name that no other row has" "beyond:a default that fits th
   "shouting:a name of at most 64 lower-case letters" "typeless:a known type" "defaultless:a default that fits" "choiceless:choices" "endless:a table of at most 256 rows"; do
   expect 5 "libconceg_stage_relax_${fault%%:*}.so: parameter [0-9]+ \(.*\): expected ${fault#*:}" "$conceg" relax --impl "${fault%%:*}" "$t/toy.cgx" -o "$t/x.cgx"
 done
+expect 5 "libconceg_stage_relax_unsure.so: expected reads, writes and drops of at most 64 names of groups" "$conceg" relax --impl unsure "$t/toy.cgx" -o "$t/x.cgx"
 expect 5 "libconceg_stage_relax_misnamed.so: by its file name expected the stage relax misnamed, got relax other" \
   "$conceg" relax --impl misnamed "$t/toy.cgx" -o "$t/x.cgx"
 expect 5 "libconceg_stage_relax_garbage.so: cannot be opened" "$conceg" relax --impl garbage "$t/toy.cgx" -o "$t/x.cgx"

@@ -180,6 +180,15 @@ static conceg_param endless[300];
 
 static const char *const source_writes[] = {"/domain", "/types", "/cells", "/skeleton", NULL};
 static const char *const needs[] = {"/cells", "/skeleton", NULL};
+/* What may be absent stands with a question mark, among the groups that are read alone. */
+static const char *const may_be_there[] = {"/cells", "/skeleton", "?volumes", NULL}, *const unsure[] = {
+                                                                                         "?spheres", NULL};
+#ifndef TOY_READS
+#define TOY_READS needs
+#endif
+#ifndef TOY_WRITES
+#define TOY_WRITES spheres
+#endif
 static const char *const skeleton[] = {"/skeleton", NULL}, *const spheres[] = {"/spheres", NULL};
 
 static const conceg_stage *describe(void) {
@@ -205,8 +214,10 @@ static const conceg_stage *describe(void) {
     stage.writes = source_writes;
     stage.flags = CONCEG_STAGE_SOURCE | CONCEG_STAGE_RECIPE;
   } else {
-    stage.reads = needs;
-    stage.writes = run == break_rules ? skeleton : run == make_spheres ? spheres : NULL;
+    /* As the tables: every list is used by one of the libraries. */
+    const char *const *const lists[] = {needs, may_be_there, spheres, unsure};
+    stage.reads = lists[0] ? TOY_READS : NULL;
+    stage.writes = run == break_rules ? skeleton : run == make_spheres ? TOY_WRITES : NULL;
   }
   return &stage;
 }

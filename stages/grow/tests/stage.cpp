@@ -180,23 +180,28 @@ void straightness() {
 void finish() {
   const World world = small_world();
   CHECK(run(world, 1).skeleton == run(world, 1, nullptr, nullptr, "grow.finish=true").skeleton);
-  const auto points = [](std::vector<std::int64_t> parent, std::vector<std::uint32_t> bar) {
+  const auto points = [](std::vector<std::int64_t> parent, std::vector<std::uint32_t> bar, double place = 1.0,
+                         double end = 1.0) {
     return [=](conceg_doc *doc) {
       const std::size_t rows = parent.size();
       conceg::put(doc, "/skeleton/cell_offset", std::vector<std::uint64_t>{0, rows, rows});
-      conceg::put(doc, "/skeleton/position", std::vector<double>(3 * rows, 1.0).data(), rows, 3);
+      conceg::put(doc, "/skeleton/position", std::vector<double>(3 * rows, place).data(), rows, 3);
       conceg::put(doc, "/skeleton/radius", std::vector<float>(rows, 0.3f));
       conceg::put(doc, "/skeleton/target_radius", std::vector<float>(rows, 0.3f));
       conceg::put(doc, "/skeleton/parent", parent);
       conceg::put(doc, "/skeleton/bar", bar);
       const std::size_t bars = conceg::view<std::uint32_t>(doc, "/bars/tree").rows();
       conceg::put(doc, "/bars/achieved_start", std::vector<double>(bars, 0.0));
-      conceg::put(doc, "/bars/achieved_end", std::vector<double>(bars, 1.0));
+      conceg::put(doc, "/bars/achieved_end", std::vector<double>(bars, end));
     };
   };
   breaks_with("/skeleton/bar[1]", CONCEG_E_RANGE, points({-1, 0, 1}, {0, 999, 0}), "grow.finish=true");
   breaks_with("/skeleton/bar[2]", CONCEG_E_RANGE, points({-1, 0, 0}, {0, 0, 0}), "grow.finish=true");
   breaks_with("/skeleton/parent[1]", CONCEG_E_RANGE, points({-1, 1, 1}, {0, 0, 0}), "grow.finish=true");
+  breaks_with("/skeleton/position[0]", CONCEG_E_RANGE, points({-1, 0, 1}, {0, 0, 0}, 1e300),
+              "grow.finish=true");
+  breaks_with("/bars/achieved_end[0]", CONCEG_E_RANGE, points({-1, 0, 1}, {0, 0, 0}, 1.0, 1e300),
+              "grow.finish=true");
   breaks_with("one point", CONCEG_E_RANGE, points({-1}, {0}), "grow.finish=true");
   CHECK(run(world, 1).skeleton == run(world, 1, nullptr, points({-1, 0, 1}, {0, 999, 0})).skeleton);
 }

@@ -125,6 +125,20 @@ void forest_is_light_and_sound() {
     CHECK(gap >= 0.06 / 1.91);
 }
 
+// Where the grid is coarse beside the tubes, cells become their base meshes at once and meet light
+// neighbours: these go back too, beyond the rounds that were planned.
+void light_neighbours_go_back() {
+  SceneOptions options;
+  options.h = 0.5;
+  FinishOptions finish_options;
+  finish_options.gap = 0.1, finish_options.rounds = 1;
+  const Done done = finish_tissue(forest(20, 12, 300, 3), options, finish_options, 2);
+  std::printf("coarse forest: %d rounds, %llu places repaired\n", done.rounds,
+              static_cast<unsigned long long>(done.repaired_pairs));
+  CHECK(done.rounds > finish_options.rounds);
+  sound_and_apart(done);
+}
+
 // A check of what was replaced finds what a check of everything finds.
 void checking_again_is_checking() {
   const Tissue tissue = forest(20, 2, 600, 3);
@@ -176,6 +190,7 @@ void memory_stays_bounded() {
 int main() {
   simplified_stays_near();
   forest_is_light_and_sound();
+  light_neighbours_go_back();
   checking_again_is_checking();
   faces_know_where_they_belong();
   memory_stays_bounded();
