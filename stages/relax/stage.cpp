@@ -110,6 +110,13 @@ void log_shape(conceg_ctx *ctx, const ShapeChange &c) {
                  degrees * c.mean_angle_after, 100 * c.angle_within, c.forks);
 }
 
+void log_parted(conceg_ctx *ctx, const Parted &p, double gap) {
+  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                 "parted: %llu pairs were nearer than %.3f um at the least radii, by %.4f um at most; pushed "
+                 "aside by up to %.3f um %llu are, by %.4f um at most",
+                 count(p.before), gap, p.deepest_before, p.largest_move, count(p.after), p.deepest_after);
+}
+
 // Widens `radius` until the cells fill `asked` of the box behind their contact planes, and says how far it
 // came.
 void fill_box(conceg_ctx *ctx, const Bodies &bodies, const conceg_box &box, const std::vector<double> &target,
@@ -192,12 +199,12 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
   if (!table.empty()) write_table(table, trace);
   if (!pictures.empty()) write_figure(pictures, trace);
   phases.end("move");
-  const std::vector<Pair> at_end = close_pairs(target, strength.gap);
-  log_certificate(ctx, CONCEG_LOG_INFO, "moved, at target radii",
-                  certify(bodies, at_end, sides, strength.gap, target, workers));
-  Cut cut;
-  std::vector<double> radius =
-      pack(bodies, sections, box, strength, motion, rounds_of(params), collider, workers, progress, cut);
+  if (!moved.states.empty()) log_state(ctx, CONCEG_LOG_INFO, motion.iterations, moved.states.back());
+  const Packed packed =
+      pack(bodies, sections, box, strength, motion, rounds_of(params), collider, workers, progress);
+  std::vector<double> radius = packed.radius;
+  const Cut &cut = packed.cut;
+  log_parted(ctx, packed.parted, strength.gap);
   log_shape(ctx, compare_shapes(shape, measure_shape(bodies, sections, workers)));
   const Fractions strict = fractions(radius);
   phases.end("cut and pack");
