@@ -60,6 +60,7 @@ Strength strength_of(const conceg_params *params) {
   strength.attraction_range = conceg_params_f64(params, "attraction_range_um");
   strength.stretch = conceg_params_f64(params, "stretch");
   strength.bending = conceg_params_f64(params, "bending");
+  strength.forking = conceg_params_f64(params, "forking");
   strength.tension = conceg_params_f64(params, "tension");
   strength.straightening = conceg_params_f64(params, "straightening");
   return strength;
@@ -296,6 +297,11 @@ const conceg_param parameters[] = {
      CONCEG_PARAM_F64, 0, 0, 0.8},
     {"bending", "1", "share of a change of bend that one step takes back", "0.02", nullptr, CONCEG_PARAM_F64,
      0, 0, 0.5},
+    {"forking", "1",
+     "share of a change of the distance between the first points of a fork's two daughters that one step "
+     "takes "
+     "back",
+     "0.25", nullptr, CONCEG_PARAM_F64, 0, 0, 0.5},
     {"tension", "1", "share of a section's change of length that one step adds to what its segments want",
      "0.1", nullptr, CONCEG_PARAM_F64, 0, 0, 1},
     {"straightening", "1",
