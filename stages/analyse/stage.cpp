@@ -2,11 +2,15 @@
 // The analyse stage: tables that say what is in the tissue.
 #include "compare_input.hpp"
 #include "compare_report.hpp"
+#include "composition.hpp"
+#include "experiment_tables.hpp"
+#include "spectrum.hpp"
 #include "tables.hpp"
 
 #include "conceg/stage.h"
 
 #include <algorithm>
+#include <array>
 
 namespace {
 
@@ -197,6 +201,59 @@ void measure_pores(conceg_doc *doc, const Cells &cells, const conceg_box &box, W
   measures.pores = pore_sizes(volume, distance.data(), workers);
 }
 
+void measure_composition(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, const Cells &cells,
+                         const conceg_box &box, Workers &workers) {
+  if (!has(doc, "/volumes/label") || !has(doc, "/volumes@spacing"))
+    fail(CONCEG_E_MISSING,
+         "composition: the document has no /volumes/label; mesh with mesh.volume_step_um=0.25");
+  const LabelVolume volume = read_volume(doc, cells, box);
+  CompositionSettings settings;
+  settings.cubes = static_cast<int>(conceg_params_i64(params, "composition_cubes"));
+  settings.seed = conceg_ctx_seed(ctx);
+  const double voxel = std::max({volume.spacing.x, volume.spacing.y, volume.spacing.z});
+  if (voxel > 0.5 * (1 + 1e-9))
+    conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
+                   "analyse: composition: voxels of %g um lose what is thinner; 0.25 to 0.5 um are right "
+                   "(mesh.volume_step_um)",
+                   voxel);
+  const std::array<bool, 3> periodic = {box.periodic[0] != 0, box.periodic[1] != 0, box.periodic[2] != 0};
+  const Composition found = composition_of(LabelRuns(volume, workers), volume.spacing, periodic, settings,
+                                           workers, progress_of(ctx));
+  if (!found.rows.empty() && found.rows.back().side < 0.99 * settings.largest)
+    conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "analyse: composition: void beyond %g um, where the box ends",
+                   found.rows.back().side);
+  for (const Table &table : {composition_table(found), composition_fit_table(found)}) {
+    write_table(doc, table);
+    log_table(ctx, table);
+  }
+}
+
+// Paths of each class apart; classes without a path that is long enough are told.
+void measure_spectra(conceg_ctx *ctx, conceg_doc *doc, const Cells &cells, Workers &workers) {
+  if (!has(doc, "/skeleton/position"))
+    fail(CONCEG_E_MISSING, "spectrum: the document has no /skeleton; give one with grown cells");
+  const Skeletons skeletons = read_skeletons(doc, cells);
+  SpectrumSettings settings;
+  settings.seed = conceg_ctx_seed(ctx);
+  std::vector<ClassSpectrum> found;
+  for (const std::string &name : classes_of(cells)) {
+    std::vector<std::uint32_t> chosen;
+    for (std::uint32_t cell = 0; cell < cells.type.size(); cell++)
+      if (cells.type_class[cells.type[cell]] == name) chosen.push_back(cell);
+    const AreaPaths paths = area_paths(skeletons, chosen, name == "axon", settings);
+    if (paths.profiles.empty())
+      conceg_ctx_log(
+          ctx, CONCEG_LOG_WARNING,
+          "analyse: spectrum: void for class %s: none of %llu paths from root to tip reaches %g um",
+          name.c_str(), static_cast<unsigned long long>(paths.tips), settings.skip + settings.length);
+    else
+      found.push_back({name, paths.tips, paths.spacing, spectrum_of(paths, settings, workers)});
+  }
+  for (const Table &table : {spectrum_table(found), spectrum_fit_table(found)})
+    if (table.rows()) write_table(doc, table);
+  if (!found.empty()) log_table(ctx, spectrum_fit_table(found));
+}
+
 // From the labels of /volumes where their voxels are as small as those asked for, else from the skeletons.
 void measure_field(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, const Cells &cells,
                    const conceg_box &box, Workers &workers, Measures &measures) {
@@ -247,7 +304,7 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
     leave_out("/bars", "asked and achieved bars");
 
   for (const char *name : {"summary", "class", "type", "neurite", "bars", "morphometry", "cell", "comparison",
-                           "comparison_bars"})
+                           "comparison_bars", "composition", "composition_fit", "spectrum", "spectrum_fit"})
     must(conceg_doc_drop(doc, (std::string("/statistics/") + name).c_str()));
   for (const Table &table :
        {summary_table(cells, measures), class_table(cells, measures), type_table(cells, measures),
@@ -258,6 +315,8 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
     if (table.name != "cell" && table.name != "type") log_table(ctx, table);
   }
   if (conceg_params_bool(params, "compare")) compare_document(ctx, doc, cells, workers);
+  if (conceg_params_bool(params, "composition")) measure_composition(ctx, doc, params, cells, box, workers);
+  if (conceg_params_bool(params, "spectrum")) measure_spectra(ctx, doc, cells, workers);
   workers.count(ctx, "analyse.items");
   const double difference = largest_difference(measures),
                allowed = conceg_params_f64(params, "icvf_tolerance");
@@ -287,6 +346,12 @@ const conceg_param parameters[] = {
      nullptr, CONCEG_PARAM_F64, 0, 0, 1},
     {"compare", "", "hold the grown cells against what they were asked for and against the dictionary",
      "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
+    {"composition", "",
+     "composition scaling: the largest piece of one cell in cubes of 2 to 75 um, from /volumes", "false",
+     nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
+    {"composition_cubes", "1", "cubes of each length", "200", nullptr, CONCEG_PARAM_I64, 0, 8, 100000},
+    {"spectrum", "", "power spectrum of the cross-section along paths of 100 um", "false", nullptr,
+     CONCEG_PARAM_BOOL, 0, 0, 0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};
 const char *const reads[] = {"domain", "types", "cells", nullptr};
 const char *const writes[] = {"statistics", nullptr};

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The tables of composition scaling and of power spectra.
+#pragma once
+
+#include "composition.hpp"
+#include "spectrum.hpp"
+#include "statistics_table.hpp"
+
+#include <string>
+
+namespace conceg::analyse {
+
+Table composition_table(const Composition &composition);     // a row per length
+Table composition_fit_table(const Composition &composition); // a row per range
+
+struct ClassSpectrum {
+  std::string name;
+  std::uint64_t tips; // paths looked at
+  double spacing;     // um, of the skeleton's samples
+  Spectrum spectrum;
+};
+
+Table spectrum_table(const std::vector<ClassSpectrum> &spectra);     // a row per class and q
+Table spectrum_fit_table(const std::vector<ClassSpectrum> &spectra); // a row per class
+
+} // namespace conceg::analyse
