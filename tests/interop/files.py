@@ -9,8 +9,10 @@ import subprocess
 import sys
 import tempfile
 
+import checked_by
+
 bin_folder = pathlib.Path(sys.argv[1]).resolve()
-failures, checks = [], 0
+failures, checks, went_round = [], 0, set()
 
 
 def run(word, *words):
@@ -123,6 +125,7 @@ def frames_and_rounds(work):
     must("import", "cactus", work / "s.txt", "-o", work / "s.cgx")
     expect(run("validate", work / "s.cgx", "-q").returncode == 0, "an imported strand list is valid")
     expect(rows(cactus_of(work / "s.cgx", work)) == rows(strand), "strand list -> document -> strand list")
+    went_round.add("cactus")
     must("export", work / "s.cgx", "--to", "caterpillar", "--dir", work / "cat", "-q")
     table = (work / "cat/caterpillar/voxel.csv").read_text().splitlines()
     expect(table[0] + "\n" == b_head and table[1] == "axon 0 axon 0 3 4 6 0.5 0.5", f"the first sphere of a table: {table[:2]}")
@@ -173,6 +176,7 @@ def frames_and_rounds(work):
     must("export", work / "n.cgx", "--to", "network", "--dir", work / "net", "-q")
     expect((work / "net/network/nodes.txt").read_text() == nodes, "nodes go round")
     expect(sorted((work / "net/network/edges.txt").read_text().splitlines()[1:]) == sorted(["0 1 0 0 0", "0 1 -1 0 0", "0 0 0 0 1"]), "edges go round, each once")
+    went_round.add("network")
 
     (work / "two.swc").write_text("1 2 0 0 0 1 -1\n2 2 5 0 0 1 1\n3 2 0 9 0 1 -1\n4 2 5 9 0 1 3\n")
     for roots, count in (("one", 1), ("cells", 2)):
@@ -229,6 +233,10 @@ with tempfile.TemporaryDirectory() as folder:
             part(work)
         except (OSError, KeyError) as problem:
             failures.append(f"{part.__name__}: {problem}")
+said = {form for form, who in checked_by.named(checked_by.WRITTEN, "interop.files").items() if "our importer" in who}
+expect(said == went_round, f"checked_by.py says that our importer takes {sorted(said)}, here {sorted(went_round)}")
+said = set(checked_by.named(checked_by.READ, "interop.files"))
+expect(said == set(malformed), f"checked_by.py says that samples are read of {sorted(said)}, here {sorted(malformed)}")
 for line in failures:
     print("FAILED:", line)
 print(f"files of other programs: {sum(map(len, malformed.values())) + 14} malformed files, {checks} checks, {len(failures)} failures")

@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Files that export wrote, before programs that read them (trimesh, meshio, PyVista, nibabel, MorphIO, NeuroM, navis, NumPy) and before strict
-readers of the formats that no program on PyPI reads (*_linter.py, each written from a description of its format without sight of the writer). Volumes, areas, places and counts must be those of the manifest, and the
-column "checked by" of spec/interop.md must name who did.  peers.py BIN [DOCUMENT]"""
+readers of the formats that no program on PyPI reads (*_linter.py, each written from a description of its format without sight of the writer). Volumes, areas, places and counts must be those of the manifest, and checked_by.py must name who did.  peers.py BIN [DOCUMENT]"""
 import itertools
 import json
 import pathlib
@@ -23,6 +22,7 @@ import trimesh
 import cactus_linter
 import camino_linter
 import caterpillar_linter
+import checked_by
 import linter_text
 import mcdc_linter
 import rms_linter
@@ -212,16 +212,9 @@ def plant(work):
 
 
 def table():
-    """spec/interop.md says of each format who read it here, and of nobody else that they did."""
-    text = (pathlib.Path(__file__).resolve().parents[2] / "spec/interop.md").read_text().split("<!-- written -->")[1].split("## ")[0]
-    rows = {cells[1].strip(): cells[-2] for cells in (line.split("|") for line in text.splitlines() if line.startswith("| ")) if cells[1].strip() != "format"}
-    peers = {"trimesh", "meshio", "PyVista", "nibabel", "MorphIO", "NeuroM", "navis", "NumPy", "linter", "our importer"}
-    wrong = []
-    for form, checked in rows.items():
-        said = {name for name in peers - {"our importer"} if re.search(rf"\b{name}\b", checked)}
-        if said != by.get(form, set()) - {"our importer"}:
-            wrong.append(f"{form}: the table says {sorted(said)}, here {sorted(by.get(form, set()))}")
-    return wrong
+    """checked_by.py, from which the column of spec/interop.md is written, says of each format who read it here, and of nobody else that they did."""
+    said = checked_by.named(checked_by.WRITTEN, "interop.peers")
+    return [f"{form}: checked_by.py says {sorted(said.get(form, set()))}, here {sorted(by.get(form, set()))}" for form in sorted({*said, *by}) if said.get(form, set()) != by.get(form, set())]
 
 
 def main(work):
