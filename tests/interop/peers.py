@@ -105,11 +105,11 @@ def linted(work, document, manifest):
     for cell in manifest["mcmr"]["cells"]:
         volume = linter_text.volume_of(*meshes[cell["files"][0]])
         expect(near(volume, cell["volume_um3"], 1e-6), "mcmr", "linter", f"volume {volume}")
-    _, face, box, radius = script_linter.dmipy_sim(work / "dmipy-sim")
-    expect(near(box, side, 1e-9) and len(face) > 1000 and near(radius, manifest["dmipy-sim"]["feature_radius_um"], 1e-9), "dmipy-sim", "linter", f"box {box}, feature radius {radius}")
+    _, face, box, radius, periodic = script_linter.dmipy_sim(work / "dmipy-sim")
+    expect(periodic and near(box, side, 1e-9) and len(face) > 1000 and near(radius, manifest["dmipy-sim"]["feature_radius_um"], 1e-9), "dmipy-sim", "linter", f"box {box}, feature radius {radius}")
     for where in ("intra", "extra"):
         kept = script_linter.disimpy(work / "disimpy", where)
-        expect(near(kept["b"] * 1e-9, asked, 1e-9) and near(kept["side"] * 1e6, side, 1e-9) and kept["walkers"] == 200 and (kept["pulse"], kept["separation"]) == (0.005, 0.02), "disimpy", "linter", f"{where}: b {kept['b'][:3]}, box {kept['side']}")
+        expect(near(kept["b"] * 1e-9, asked, 1e-9) and near(kept["side"] * 1e6, side, 1e-9) and kept["walkers"] == 200 and kept["periodic"] and (kept["pulse"], kept["separation"]) == (0.005, 0.02), "disimpy", "linter", f"{where}: b {kept['b'][:3]}, box {kept['side']}")
     strands(work, document, side)
     tables(work, document, side)
     plant(work)

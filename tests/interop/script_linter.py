@@ -12,7 +12,7 @@ The descriptions, as far as they are checked here:
   row per walker, strictly inside of the box. bvecs have length 1 (a zero one raises) and are never (-1, 0, 0) (raises).
 * dmipy-sim: `Mesh.from_ply(path, scale, periodic, voxel_min, voxel_max, feature_radius)`: the PLY (any that trimesh reads; here binary) in um with scale 1e-6,
   the box explicit and in m, cut surfaces stitched at its faces; feature_radius in m (its sub-step is a sixth of it).
-* MCMRSimulator.jl: `load_mesh(file; repeats=[x, y, z])` per cell, um; text PLY with `vertex_indices` (linter_text.ply), closed and outward; cells are repeated
+* MCMRSimulator.jl: `load_mesh(file; repeats=[x, y, z])` per cell (without repeats where nothing is periodic), um; text PLY with `vertex_indices` (linter_text.ply), closed and outward; cells are repeated
   whole, so none is longer than the space that its images leave.
 
 What the descriptions leave open: n_sv, the number of time steps, and the values of further keywords.
@@ -76,7 +76,7 @@ def disimpy(folder, where):
     def mesh(vertices, faces, periodic, padding=None, init_pos="uniform", n_sv=None, quiet=False):
         kept.need(vertices.dtype == numpy.float64 and vertices.ndim == 2 and vertices.shape[1] == 3 and numpy.isfinite(vertices).all(), "finite float64 points (V, 3)", vertices.dtype)
         kept.need(numpy.issubdtype(faces.dtype, numpy.integer) and faces.ndim == 2 and faces.shape[1] == 3, "whole faces (F, 3)", faces.dtype)
-        kept.need(periodic is True and padding is None, "a periodic mesh without padding", (periodic, padding))
+        kept.need(isinstance(periodic, bool) and padding is None, "a mesh, periodic or not, without padding", (periodic, padding))
         kept.need(faces.min() >= 0 and faces.max() < len(vertices), f"corners below {len(vertices)}", faces.max())
         side = vertices.max(axis=0)
         kept.need((vertices.min(axis=0) == 0).all() and 1e-6 < side.min() and side.max() < 1e-2, "a box in m that begins at 0", (vertices.min(axis=0), side))
@@ -84,11 +84,13 @@ def disimpy(folder, where):
         used[faces] = True
         kept.need(used[:-2].all() and not used[-2:].any() and (vertices[-2:] == [[0, 0, 0], side]).all(), "two points at the end that pin the box", vertices[-2:])
         check_cut(path, vertices, faces, side)
+        if not periodic:  # the program puts walls around the box
+            check_closed(path, vertices, faces)
         kept.need(isinstance(init_pos, numpy.ndarray) and init_pos.dtype == numpy.float64 and init_pos.ndim == 2 and init_pos.shape[1] == 3, "places of the walkers (N, 3)", init_pos)
         outside = numpy.flatnonzero(((init_pos <= 0) | (init_pos >= side)).any(axis=1))
         kept.need(not len(outside), "walkers strictly inside of the box", init_pos[outside[:1]])
         kept.need(numpy.shape(n_sv) == (3,) and numpy.issubdtype(numpy.asarray(n_sv).dtype, numpy.integer) and numpy.min(n_sv) >= 1, "n_sv of three whole numbers", n_sv)
-        kept.update(vertices=vertices, faces=faces, start=init_pos, side=side)
+        kept.update(vertices=vertices, faces=faces, start=init_pos, side=side, periodic=periodic)
         return kept
 
     def pgse(delta, DELTA, n_t, bvals, bvecs):
@@ -123,7 +125,7 @@ def disimpy(folder, where):
 
 
 def dmipy_sim(folder):
-    """Run mesh.py; return points (um), triangles, the box (um) and the feature radius (um)."""
+    """Run mesh.py; return points (um), triangles, the box (um), the feature radius (um) and whether the box is periodic."""
     folder = pathlib.Path(folder)
     path = folder / "mesh.py"
     kept = Kept(path)
@@ -138,26 +140,28 @@ def dmipy_sim(folder):
         members = runpy.run_path(str(path), run_name="mesh")
         kept.need(callable(members.get("mesh")), "a function mesh()", sorted(members))
         kept.need(members["mesh"]() is kept and members["mesh"](permeability=1e-5) is kept, "mesh() to return the mesh", "another")
-    kept.need(kept["scale"] == 1e-6 and kept["periodic"] is True, "um (scale 1e-6) and a periodic box", (kept["scale"], kept["periodic"]))
+    kept.need(kept["scale"] == 1e-6 and isinstance(kept["periodic"], bool), "um (scale 1e-6), and a periodic box or not", (kept["scale"], kept["periodic"]))
     kept.need((kept["low"] == 0).all() and 1e-6 < kept["side"].min() and kept["side"].max() < 1e-2, "a box in m that begins at 0", (kept["low"], kept["side"]))
     kept.need(kept["file"].parent.resolve() == folder.resolve(), f"a mesh in {folder}", kept["file"])
     kept.need(1e-9 < kept["radius"] < kept["side"].min() / 2, "a feature radius in m", kept["radius"])
     vertex, face = binary_ply(kept["file"])
     side = kept["side"] * 1e6
     check_cut(kept["file"], vertex, face, numpy.round(side, 9))
-    return vertex, face, side, kept["radius"] * 1e6
+    if not kept["periodic"]:
+        check_closed(kept["file"], vertex, face)
+    return vertex, face, side, kept["radius"] * 1e6, kept["periodic"]
 
 
 def mcmr(folder):
-    """Read geometry.jl; return {file: (points, triangles)} and the repeats (um)."""
+    """Read geometry.jl; return {file: (points, triangles)} and the repeats (um), None without."""
     folder = pathlib.Path(folder)
     path = folder / "geometry.jl"
     text = "\n".join(line for line in lines_of(path, empty=True) if not line.lstrip().startswith("#"))
-    form = re.fullmatch(r'\s*using MCMRSimulator\s+files = \[\s*((?:"[^"\\$]+",\s*)+)\]\s+geometry = \[load_mesh\(joinpath\(@__DIR__, file\); repeats=\[([^\]]+)\]\) for file in files\]\s*', text)
+    form = re.fullmatch(r'\s*using MCMRSimulator\s+files = \[\s*((?:"[^"\\$]+",\s*)+)\]\s+geometry = \[load_mesh\(joinpath\(@__DIR__, file\)(?:; repeats=\[([^\]]+)\])?\) for file in files\]\s*', text)
     if not form:
         fault((path, 1), "using MCMRSimulator, files = [...] and geometry = [load_mesh(joinpath(@__DIR__, file); repeats=[x, y, z]) for file in files]", repr(text[:80]))
-    repeats = numpy.array([float(word) for word in form[2].split(",")])
-    if repeats.shape != (3,) or repeats.min() < 1:
+    repeats = numpy.array([float(word) for word in form[2].split(",")]) if form[2] else None
+    if form[2] and (repeats.shape != (3,) or repeats.min() < 1):
         fault((path, 1), "three repeats in um", form[2])
     names = re.findall(r'"([^"]+)"', form[1])
     if len(set(names)) != len(names) or set(names) != {p.name for p in folder.glob("*.ply")}:
