@@ -215,6 +215,19 @@ def bundle(work):
         expect((work / "all" / form / "manifest.json").exists(), f"{form}: a manifest")
 
 
+def many(work):
+    """Files read by several threads: of two bad ones the first is named, and the document is the same for any number."""
+    for bad in ((23, 7), ()):
+        for k in range(40):
+            (work / f"c{k:02d}.swc").write_text(f"1 2 {k} 0 0 1 -1\n2 2 {k} 5 0 {'nan' if k in bad else 1} 1\n" + "".join(f"{j} 2 {k} {j} {j} 1 {j - 1}\n" for j in range(3, 400)))
+        seen = set()
+        for threads in (1, 2, 8):
+            done = run("import", "swc", work, "--threads", threads, "-q", "-o", work / "m.cgx")
+            expect(done.returncode == (3 if bad else 0) and (not bad or "c07.swc:2: E_NONFINITE" in done.stderr), f"{threads} threads: exit {done.returncode}: {done.stderr[-300:]}")
+            seen.add((done.stderr, b"" if bad else (work / "m.cgx").read_bytes()))
+        expect(len(seen) == 1, f"the same for any number of threads, bad {bad}")
+
+
 def accepted(work):
     """What each format becomes goes through relax, mesh, simulate and analyse; surfaces through the last two."""
     line = [(-4, 1, -2), (-1, 1.5, -2), (2, 1, -2.5), (5, 1, -2)]
@@ -260,7 +273,7 @@ def lists(work):
 
 
 with tempfile.TemporaryDirectory() as folder:
-    for part in (lists, refusals, frames_and_rounds, bundle, accepted):
+    for part in (lists, refusals, frames_and_rounds, bundle, accepted, many):
         work = pathlib.Path(folder) / part.__name__
         work.mkdir()
         try:

@@ -107,6 +107,8 @@ def linted(work, document, manifest):
         expect(near(volume, cell["volume_um3"], 1e-6), "mcmr", "linter", f"volume {volume}")
     _, face, box, radius, periodic = script_linter.dmipy_sim(work / "dmipy-sim")
     expect(periodic and near(box, side, 1e-9) and len(face) > 1000 and near(radius, manifest["dmipy-sim"]["feature_radius_um"], 1e-9), "dmipy-sim", "linter", f"box {box}, feature radius {radius}")
+    b, _, _ = linter_text.scheme(work / "dmipy-sim/protocol.scheme", camino_linter.GAMMA)
+    expect(near(b, asked, 1e-6), "dmipy-sim", "linter", f"b {b[:3]}")
     for where in ("intra", "extra"):
         kept = script_linter.disimpy(work / "disimpy", where)
         expect(near(kept["b"] * 1e-9, asked, 1e-9) and near(kept["side"] * 1e6, side, 1e-9) and kept["walkers"] == 200 and kept["periodic"] and (kept["pulse"], kept["separation"]) == (0.005, 0.02), "disimpy", "linter", f"{where}: b {kept['b'][:3]}, box {kept['side']}")
@@ -209,6 +211,7 @@ def plant(work):
         except (ValueError, KeyError):
             expect(text != path.read_text(), form, "linter", f"{path.name} was refused before the fault")
         path.write_text(text)
+    print(f"{len(faults)} planted faults")
 
 
 def table():

@@ -12,10 +12,10 @@ The descriptions, as far as they are checked here:
   row per walker, strictly inside of the box. bvecs have length 1 (a zero one raises) and are never (-1, 0, 0) (raises).
 * dmipy-sim: `Mesh.from_ply(path, scale, periodic, voxel_min, voxel_max, feature_radius)`: the PLY (any that trimesh reads; here binary) in um with scale 1e-6,
   the box explicit and in m, cut surfaces stitched at its faces; feature_radius in m (its sub-step is a sixth of it).
-* MCMRSimulator.jl: `load_mesh(file; repeats=[x, y, z])` per cell (without repeats where nothing is periodic), um; text PLY with `vertex_indices` (linter_text.ply), closed and outward; cells are repeated
-  whole, so none is longer than the space that its images leave.
+* MCMRSimulator.jl: `load_mesh(file; repeats=[x, y, z])` per cell (without repeats where nothing is periodic), um; text PLY with `vertex_indices` (linter_text.ply), closed and outward; the program
+  repeats them whole.
 
-What the descriptions leave open: n_sv, the number of time steps, and the values of further keywords.
+What the descriptions leave open: n_sv, the number of time steps, the values of further keywords, and whether MCMRSimulator lets a cell be longer than its repeats.
 """
 
 import contextlib
