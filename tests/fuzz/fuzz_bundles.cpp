@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A file of fibre bundles (.h5): the reader of import that stands on HDF5. What is accepted becomes a document that is valid.
+// A file of fibre bundles (.h5): the reader of import that stands on HDF5. What is accepted becomes a
+// document that is valid.
 extern "C" {
 #include "fuzz.h"
 }
@@ -34,7 +35,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
   request.names = {put_file(data, size)};
   conceg_doc *doc = nullptr;
   DEMAND(conceg_doc_new(ctx, &doc) == CONCEG_OK);
-  if (guard(ctx, "import", [&] { write_document(ctx, doc, read_fastpli(request), request.margin_um); }) == CONCEG_OK)
+  if (guard(ctx, "import", [&] { write_document(ctx, doc, read_fastpli(request), request.margin_um); }) ==
+      CONCEG_OK)
     DEMAND(conceg_doc_validate(doc, nullptr, nullptr, nullptr) == CONCEG_OK);
   else
     DEMAND(*conceg_ctx_error(ctx));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Damaged files of fibre bundles (.h5) by the thousand: a few bytes of a good one are changed at random places, and each result is
-// imported in a process of its own. Same seed, same mutants. A crash that is not HDF5's own, or a hang, fails the test.
+// Damaged files of fibre bundles (.h5) by the thousand: a few bytes of a good one are changed at random
+// places, and each result is imported in a process of its own. Same seed, same mutants. A crash that is not
+// HDF5's own, or a hang, fails the test.
 //   mutants_bundles [COUNT]
 extern "C" {
 #include "../fuzz/bundles_sample.h"
@@ -50,7 +51,8 @@ int use(const std::string &path) {
   request.ctx = ctx, request.margin_um = 5.0, request.names = {path};
   conceg_doc *doc = nullptr;
   if (conceg_doc_new(ctx, &doc) != CONCEG_OK) return INVALID;
-  if (guard(ctx, "import", [&] { write_document(ctx, doc, read_fastpli(request), request.margin_um); }) != CONCEG_OK)
+  if (guard(ctx, "import", [&] { write_document(ctx, doc, read_fastpli(request), request.margin_um); }) !=
+      CONCEG_OK)
     return std::strstr(conceg_ctx_error(ctx), path.c_str()) ? REFUSED : SILENT; // a refusal names the file
   return conceg_doc_validate(doc, nullptr, nullptr, nullptr) == CONCEG_OK ? READ : INVALID;
 }
@@ -77,9 +79,11 @@ void run(const char *name, const std::string &path, long mutants) {
     hung += WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM;
   }
   unlink(mutant.c_str());
-  std::printf("%-8s %ld mutants of %zu bytes: %ld read, %ld refused, %ld invalid, %ld refused without a name, %ld crashed inside "
+  std::printf("%-8s %ld mutants of %zu bytes: %ld read, %ld refused, %ld invalid, %ld refused without a "
+              "name, %ld crashed inside "
               "HDF5 (programs contain it), %ld hung\n",
-              name, mutants, good.size(), counts[READ], counts[REFUSED], counts[INVALID], counts[SILENT], counts[CRASHED], hung);
+              name, mutants, good.size(), counts[READ], counts[REFUSED], counts[INVALID], counts[SILENT],
+              counts[CRASHED], hung);
   CHECK(counts[READ] && counts[REFUSED]);
   CHECK_EQUAL(counts[INVALID] + counts[SILENT] + hung, 0);
   CHECK(counts[CRASHED] * 100 <= mutants); // what is HDF5's own is rare

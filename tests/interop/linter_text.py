@@ -173,16 +173,10 @@ def edges_of(face):
     return numpy.concatenate([face[:, [0, 1]], face[:, [1, 2]], face[:, [2, 0]]])
 
 
-def check_shapes(path, vertex, face, shortest, ratio):
-    """Edges are not shorter than `shortest` and in one triangle differ by a factor of `ratio` at most."""
+def edge_lengths(vertex, face):
+    """Of each triangle, the shortest first: (3, m)."""
     a, b, c = (vertex[face[:, k]] for k in range(3))
-    lengths = numpy.sort(numpy.linalg.norm(numpy.stack([b - a, c - b, a - c]), axis=2), axis=0)
-    worst = numpy.argmin(lengths[0])
-    if lengths[0, worst] < shortest:
-        fault((path, 0), f"edges from {shortest:g}", f"{lengths[0, worst]:g} in triangle {worst}")
-    worst = numpy.argmax(lengths[2] / lengths[0])
-    if lengths[2, worst] > ratio * lengths[0, worst]:
-        fault((path, 0), f"edges of a triangle within a factor of {ratio:g}", f"{lengths[2, worst] / lengths[0, worst]:g} in triangle {worst}")
+    return numpy.sort(numpy.linalg.norm(numpy.stack([b - a, c - b, a - c]), axis=2), axis=0)
 
 
 def check_closed(path, vertex, face):

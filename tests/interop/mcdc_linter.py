@@ -13,8 +13,8 @@ The description, as far as it is checked here:
   named twice: no file is.
 * One `<voxels>` block, min and max in mm, min = 0, closed; the program keeps coordinates of a periodic voxel between them.
 * A walkers' file is lines of `x y z` in mm, strictly inside of the voxel, read again from the start when there are more walkers.
-* PLY: linter_text.ply; outward normals (a hit from the wrong side makes the walker be sent again, for ever), edges from 1e-3 um, within a factor
-  of sqrt(1000) in a triangle (the program warns above). The program does not wrap triangles: those that cross a face of the voxel are there on the
+* PLY: linter_text.ply; outward normals (a hit from the wrong side makes the walker be sent again, for ever), edges from 1e-3 um. Edges that
+  differ by more than a factor of sqrt(1000) within a triangle are warned about and taken; irregular() counts them. The program does not wrap triangles: those that cross a face of the voxel are there on the
   opposite face too, and rays of walkers `intra` leave through the first triangle along its normal, those of `extra` against it.
 * Two configurations that write under one exp_prefix overwrite each other; folders of the prefix exist.
 
@@ -26,7 +26,7 @@ import sys
 
 import numpy
 
-from linter_text import check_shapes, fault, lines_of, left_through, natural, number, numbers, ply, scheme
+from linter_text import edge_lengths, fault, lines_of, left_through, natural, number, numbers, ply, scheme
 
 GAMMA = 267.51525e6
 COUNTS = {"N": 1, "T": 100, "num_process": 1, "seed": 0}
@@ -145,6 +145,12 @@ def check_sides(path, points, vertex, face, box, inside):
     return seen
 
 
+def irregular(meshes):
+    """Triangles that the program warns about as highly irregular, and all."""
+    lengths = [edge_lengths(vertex, face) for vertex, face in meshes.values()]
+    return sum(int((length[2] ** 2 > 1000 * length[0] ** 2).sum()) for length in lengths), sum(length.shape[1] for length in lengths)
+
+
 def lint(folder):
     """Check every *.conf of a folder; return b (ms/um^2), the box (um), {file: (points, triangles)}, and points {conf: (n, 3) um}."""
     folder = pathlib.Path(folder)
@@ -167,7 +173,9 @@ def lint(folder):
         for name in obstacles:
             if name not in meshes:
                 meshes[name] = ply(folder / name)
-                check_shapes(folder / name, *meshes[name], 1e-3, 1000 ** 0.5)
+                shortest = edge_lengths(*meshes[name])[0]
+                if shortest.min() < 1e-3:
+                    fault((folder / name, 0), "edges from 1e-3 um", f"{shortest.min():g} in triangle {shortest.argmin()}")
         points[path.stem] = read_walkers(folder / values["ini_walkers_file"], box)
     counts = numpy.cumsum([0] + [len(vertex) for vertex, _ in meshes.values()])
     vertex = numpy.concatenate([vertex for vertex, _ in meshes.values()])
@@ -180,4 +188,4 @@ def lint(folder):
 
 if __name__ == "__main__":
     b, box, meshes, points = lint(sys.argv[1])
-    print(f"voxel {box} um, {len(meshes)} meshes, {len(b)} rows, {', '.join(f'{len(p)} {name}' for name, p in points.items())} walkers")
+    print(f"voxel {box} um, {len(meshes)} meshes, {irregular(meshes)[0]} highly irregular triangles, {len(b)} rows, {', '.join(f'{len(p)} {name}' for name, p in points.items())} walkers")
