@@ -74,6 +74,10 @@ def malformed(work):
                 for fibre, rows in group.items():
                     here.create_dataset(fibre, data=np.array(rows))
         refused(work, name, where)
+    for name, how in (("elements of 1 MB", {"dtype": "V1000000"}), ("chunks of 2 GB", {"dtype": "f8", "chunks": (1 << 26, 4), "maxshape": (None, 4)})):
+        with h5py.File(work / "bad.h5", "w") as file:
+            file.create_group("0").create_dataset("0", shape=(2, 4), **how)
+        refused(work, name, "/0/0")
     save(work / "bad.h5", fibres)
     whole = (work / "bad.h5").read_bytes()
     for name, data in (("cut short", whole[:700]), ("empty", b""), ("text", b"0 0 0 1\n1 0 0 1\n")):
@@ -82,7 +86,7 @@ def malformed(work):
     with h5py.File(work / "bad.h5", "w") as file:
         file.create_dataset("0", data=np.array(good))
     refused(work, "a dataset where a bundle should be", "/0")
-    return len(cases) + 4
+    return len(cases) + 6
 
 
 def refused(work, name, where):
