@@ -15,7 +15,7 @@ namespace conceg::exporting {
 struct Options {
   std::string to, dir, cells;
   bool wrapped, ascii;
-  bool whole;            // a CATERPillar table of the cells as they are stored
+  bool whole;            // CATERPillar and CACTUS: the cells as they are stored
   Form form;             // of surfaces
   int columns;           // of a CATERPillar table
   std::uint64_t walkers; // starting points, intracellular and as many extracellular
