@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tables of composition scaling and of power spectra.
+// The tables of composition scaling, of power spectra and of transport.
 #pragma once
 
 #include "composition.hpp"
 #include "spectrum.hpp"
 #include "statistics_table.hpp"
+#include "transport.hpp"
 
 #include <string>
 
@@ -22,5 +23,8 @@ struct ClassSpectrum {
 
 Table spectrum_table(const std::vector<ClassSpectrum> &spectra);     // a row per class and q
 Table spectrum_fit_table(const std::vector<ClassSpectrum> &spectra); // a row per class
+
+// A row per size of voxel, and the extrapolation to 0.
+Table transport_table(const Transport &coarse, double coarse_um, const Transport &fine, double fine_um);
 
 } // namespace conceg::analyse

@@ -228,6 +228,54 @@ void measure_composition(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *
   }
 }
 
+// Voxels outside of all cells.
+OpenVoxels open_voxels(const LabelVolume &volume, Workers &workers) {
+  OpenVoxels out;
+  for (int a = 0; a < 3; a++) {
+    const auto axis = static_cast<std::size_t>(a);
+    out.shape[axis] = volume.shape[a], out.spacing[axis] = volume.spacing[a];
+  }
+  out.open.assign(out.shape[0] * out.shape[1] * out.shape[2], 1);
+  workers.loop(volume.leaves, 64, [&](std::size_t leaf, unsigned) {
+    visit_leaf(volume, leaf, [&](std::size_t x, std::size_t y, std::size_t z, std::uint32_t label) {
+      out.open[(x * out.shape[1] + y) * out.shape[2] + z] = label == 0;
+    });
+  });
+  return out;
+}
+
+void measure_transport(conceg_ctx *ctx, conceg_doc *doc, const Cells &cells, const conceg_box &box,
+                       const Pores &pores, Workers &workers) {
+  if (!pores.voxels)
+    fail(
+        CONCEG_E_MISSING,
+        "transport: the document has no /volumes/label and /volumes/distance; mesh with mesh.volume_step_um");
+  if (!box.periodic[0] || !box.periodic[1] || !box.periodic[2])
+    fail(CONCEG_E_RANGE, "transport: expected a box that is periodic on all three axes");
+  const LabelVolume volume = read_volume(doc, cells, box);
+  // In a flat cleft of width w distances to the wall are spread evenly over 0 to w / 2: their median is w
+  // / 4.
+  const double voxel = std::max({volume.spacing.x, volume.spacing.y, volume.spacing.z}), most = pores.median;
+  if (voxel > most) {
+    conceg_ctx_log(
+        ctx, CONCEG_LOG_WARNING,
+        "analyse: transport: void: voxels of %g um are wider than a quarter of the median cleft of %g "
+        "um; mesh with mesh.volume_step_um=%.3g or smaller",
+        voxel, 4 * most, most);
+    return;
+  }
+  const OpenVoxels fine = open_voxels(volume, workers);
+  if (fine.shape[0] % 2 || fine.shape[1] % 2 || fine.shape[2] % 2)
+    fail(CONCEG_E_RANGE, "transport: /volumes@shape: expected even numbers of voxels, got %zu %zu %zu",
+         fine.shape[0], fine.shape[1], fine.shape[2]);
+  const auto solved = [&](const OpenVoxels &voxels) {
+    return transport_of(voxels, {true, true, true}, 1e-6, workers, progress_of(ctx));
+  };
+  const Table table = transport_table(solved(coarser(fine)), 2 * voxel, solved(fine), voxel);
+  write_table(doc, table);
+  log_table(ctx, table);
+}
+
 // Paths of each class apart; classes without a path that is long enough are told.
 void measure_spectra(conceg_ctx *ctx, conceg_doc *doc, const Cells &cells, Workers &workers) {
   if (!has(doc, "/skeleton/position"))
@@ -303,8 +351,9 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
   else
     leave_out("/bars", "asked and achieved bars");
 
-  for (const char *name : {"summary", "class", "type", "neurite", "bars", "morphometry", "cell", "comparison",
-                           "comparison_bars", "composition", "composition_fit", "spectrum", "spectrum_fit"})
+  for (const char *name :
+       {"summary", "class", "type", "neurite", "bars", "morphometry", "cell", "comparison", "comparison_bars",
+        "composition", "composition_fit", "spectrum", "spectrum_fit", "transport"})
     must(conceg_doc_drop(doc, (std::string("/statistics/") + name).c_str()));
   for (const Table &table :
        {summary_table(cells, measures), class_table(cells, measures), type_table(cells, measures),
@@ -316,6 +365,8 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
   }
   if (conceg_params_bool(params, "compare")) compare_document(ctx, doc, cells, workers);
   if (conceg_params_bool(params, "composition")) measure_composition(ctx, doc, params, cells, box, workers);
+  if (conceg_params_bool(params, "transport"))
+    measure_transport(ctx, doc, cells, box, measures.pores, workers);
   if (conceg_params_bool(params, "spectrum")) measure_spectra(ctx, doc, cells, workers);
   workers.count(ctx, "analyse.items");
   const double difference = largest_difference(measures),
@@ -350,6 +401,8 @@ const conceg_param parameters[] = {
      "composition scaling: the largest piece of one cell in cubes of 2 to 75 um, from /volumes", "false",
      nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"composition_cubes", "1", "cubes of each length", "200", nullptr, CONCEG_PARAM_I64, 0, 8, 100000},
+    {"transport", "", "transport tortuosity lambda of the extracellular space, from /volumes", "false",
+     nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"spectrum", "", "power spectrum of the cross-section along paths of 100 um", "false", nullptr,
      CONCEG_PARAM_BOOL, 0, 0, 0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};

@@ -159,6 +159,25 @@ void experiments() {
   CHECK(solid.log.find("voxels of 1.25 um") != std::string::npos); // coarser than the protocol's
   CHECK(solid.bytes == run(3, true, false, put_volume, "analyse.composition=true").bytes);
 
+  CHECK_EQUAL(run(2, true, false, nothing, "analyse.transport=true").status, CONCEG_E_MISSING);
+  const auto put_slabs = [&](double median) { // half of the planes along x are open
+    return [=](conceg_doc *doc) {
+      put_volume(doc);
+      std::vector<std::uint32_t> label(8 * 512);
+      std::vector<float> distance(8 * 512);
+      for (std::size_t i = 0; i < label.size(); i++)
+        label[i] = i / 64 % 4 < 2, distance[i] = static_cast<float>(label[i] ? -median : median);
+      put(doc, "/volumes/label", label, 512);
+      put(doc, "/volumes/distance", distance, 512);
+    };
+  };
+  const Run coarse = run(2, true, false, put_slabs(1.2), "analyse.transport=true");
+  CHECK(coarse.log.find("transport: void: voxels of 1.25 um") != std::string::npos);
+  const Run slabs = run(2, true, false, put_slabs(1.3), "analyse.transport=true");
+  CHECK_EQUAL(slabs.status, CONCEG_OK);
+  CHECK(slabs.log.find("--- transport") != std::string::npos);
+  CHECK(slabs.log.find("1.2247") != std::string::npos); // sqrt(3 / 2): nothing goes across, two axes are free
+
   const Run none = run(2, true, false, nothing, "analyse.spectrum=true");
   CHECK_EQUAL(none.status, CONCEG_OK);
   CHECK(none.log.find("spectrum: void for class") != std::string::npos);
