@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experiment_tables.hpp"
 
+#include <utility>
+
 namespace conceg::analyse {
 
 Table composition_table(const Composition &composition) {
@@ -73,6 +75,24 @@ Table transport_table(const Transport &coarse, double coarse_um, const Transport
     table.put("ratio_z", t.ratio[2], "1"), table.put("lambda", t.lambda(), "1");
   };
   put(coarse_um, coarse), put(fine_um, fine), put(0, limit);
+  return table;
+}
+
+Table pore_table(const PoreSpace &space, const PoreSpace &sections) {
+  Table table("pore_space");
+  const auto put = [&](std::uint64_t dimensions, const PoreSpace &p) {
+    const std::pair<const char *, const Distribution *> all[] = {{"centre_radius", &p.centres},
+                                                                 {"voxel_radius", &p.voxels},
+                                                                 {"thickness_radius", &p.thickness},
+                                                                 {"gap_width", &p.gaps},
+                                                                 {"chord", &p.chords}};
+    for (const auto &[name, d] : all) {
+      table.put("dimensions", dimensions), table.put("measure", std::string(name));
+      table.put("count", d->count), table.put("mean", d->mean, "um"), table.put("sd", d->sd, "um");
+      table.put("median", d->median, "um"), table.put("p95", d->p95, "um");
+    }
+  };
+  put(3, space), put(2, sections);
   return table;
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tables of composition scaling, of power spectra and of transport.
+// The tables of composition scaling, of power spectra, of transport and of pores.
 #pragma once
 
 #include "composition.hpp"
+#include "pore_space.hpp"
 #include "spectrum.hpp"
 #include "statistics_table.hpp"
-#include "transport.hpp"
 
 #include <string>
 
@@ -26,5 +26,8 @@ Table spectrum_fit_table(const std::vector<ClassSpectrum> &spectra); // a row pe
 
 // A row per size of voxel, and the extrapolation to 0.
 Table transport_table(const Transport &coarse, double coarse_um, const Transport &fine, double fine_um);
+
+// A row per definition, in space and in sections across z.
+Table pore_table(const PoreSpace &space, const PoreSpace &sections);
 
 } // namespace conceg::analyse

@@ -244,34 +244,53 @@ OpenVoxels open_voxels(const LabelVolume &volume, Workers &workers) {
   return out;
 }
 
-void measure_transport(conceg_ctx *ctx, conceg_doc *doc, const Cells &cells, const conceg_box &box,
-                       const Pores &pores, Workers &workers) {
+// What analyses of the extracellular space need, or an error that says what is missing; voxels that are too
+// coarse leave `open` empty, and the log says what is void.
+OpenVoxels extracellular_voxels(conceg_ctx *ctx, conceg_doc *doc, const Cells &cells, const conceg_box &box,
+                                const Pores &pores, const char *what, Workers &workers) {
   if (!pores.voxels)
-    fail(
-        CONCEG_E_MISSING,
-        "transport: the document has no /volumes/label and /volumes/distance; mesh with mesh.volume_step_um");
+    fail(CONCEG_E_MISSING,
+         "%s: the document has no /volumes/label and /volumes/distance; mesh with mesh.volume_step_um", what);
   if (!box.periodic[0] || !box.periodic[1] || !box.periodic[2])
-    fail(CONCEG_E_RANGE, "transport: expected a box that is periodic on all three axes");
+    fail(CONCEG_E_RANGE, "%s: expected a box that is periodic on all three axes", what);
   const LabelVolume volume = read_volume(doc, cells, box);
   // In a flat cleft of width w distances to the wall are spread evenly over 0 to w / 2: their median is w
   // / 4.
   const double voxel = std::max({volume.spacing.x, volume.spacing.y, volume.spacing.z}), most = pores.median;
-  if (voxel > most) {
-    conceg_ctx_log(
-        ctx, CONCEG_LOG_WARNING,
-        "analyse: transport: void: voxels of %g um are wider than a quarter of the median cleft of %g "
-        "um; mesh with mesh.volume_step_um=%.3g or smaller",
-        voxel, 4 * most, most);
-    return;
-  }
-  const OpenVoxels fine = open_voxels(volume, workers);
+  if (!(voxel > most)) return open_voxels(volume, workers);
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_WARNING,
+      "analyse: %s: void: voxels of %g um are wider than a quarter of the median cleft of %g um; mesh "
+      "with mesh.volume_step_um=%.3g or smaller",
+      what, voxel, 4 * most, most);
+  return {};
+}
+
+double largest_spacing(const OpenVoxels &voxels) {
+  return std::max({voxels.spacing[0], voxels.spacing[1], voxels.spacing[2]});
+}
+
+void measure_transport(conceg_ctx *ctx, conceg_doc *doc, const OpenVoxels &fine, Workers &workers) {
+  if (fine.open.empty()) return;
   if (fine.shape[0] % 2 || fine.shape[1] % 2 || fine.shape[2] % 2)
     fail(CONCEG_E_RANGE, "transport: /volumes@shape: expected even numbers of voxels, got %zu %zu %zu",
          fine.shape[0], fine.shape[1], fine.shape[2]);
   const auto solved = [&](const OpenVoxels &voxels) {
     return transport_of(voxels, {true, true, true}, 1e-6, workers, progress_of(ctx));
   };
+  const double voxel = largest_spacing(fine);
   const Table table = transport_table(solved(coarser(fine)), 2 * voxel, solved(fine), voxel);
+  write_table(doc, table);
+  log_table(ctx, table);
+}
+
+void measure_pore_space(conceg_ctx *ctx, conceg_doc *doc, const OpenVoxels &voxels, Workers &workers) {
+  if (voxels.open.empty()) return;
+  constexpr std::size_t between = 8; // planes from one section to the next
+  std::vector<OpenVoxels> sections;
+  for (std::size_t z = 0; z < voxels.shape[2]; z += between)
+    sections.push_back(section(voxels, 2, z));
+  const Table table = pore_table(pore_space({voxels}, workers), pore_space(sections, workers));
   write_table(doc, table);
   log_table(ctx, table);
 }
@@ -353,7 +372,7 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
 
   for (const char *name :
        {"summary", "class", "type", "neurite", "bars", "morphometry", "cell", "comparison", "comparison_bars",
-        "composition", "composition_fit", "spectrum", "spectrum_fit", "transport"})
+        "composition", "composition_fit", "spectrum", "spectrum_fit", "transport", "pore_space"})
     must(conceg_doc_drop(doc, (std::string("/statistics/") + name).c_str()));
   for (const Table &table :
        {summary_table(cells, measures), class_table(cells, measures), type_table(cells, measures),
@@ -365,8 +384,12 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
   }
   if (conceg_params_bool(params, "compare")) compare_document(ctx, doc, cells, workers);
   if (conceg_params_bool(params, "composition")) measure_composition(ctx, doc, params, cells, box, workers);
+  const auto extracellular = [&](const char *what) {
+    return extracellular_voxels(ctx, doc, cells, box, measures.pores, what, workers);
+  };
   if (conceg_params_bool(params, "transport"))
-    measure_transport(ctx, doc, cells, box, measures.pores, workers);
+    measure_transport(ctx, doc, extracellular("transport"), workers);
+  if (conceg_params_bool(params, "pores")) measure_pore_space(ctx, doc, extracellular("pores"), workers);
   if (conceg_params_bool(params, "spectrum")) measure_spectra(ctx, doc, cells, workers);
   workers.count(ctx, "analyse.items");
   const double difference = largest_difference(measures),
@@ -401,6 +424,9 @@ const conceg_param parameters[] = {
      "composition scaling: the largest piece of one cell in cubes of 2 to 75 um, from /volumes", "false",
      nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"composition_cubes", "1", "cubes of each length", "200", nullptr, CONCEG_PARAM_I64, 0, 8, 100000},
+    {"pores", "",
+     "sizes of the extracellular space by five definitions, in space and in sections, from /volumes", "false",
+     nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"transport", "", "transport tortuosity lambda of the extracellular space, from /volumes", "false",
      nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"spectrum", "", "power spectrum of the cross-section along paths of 100 um", "false", nullptr,

@@ -177,6 +177,11 @@ void experiments() {
   CHECK_EQUAL(slabs.status, CONCEG_OK);
   CHECK(slabs.log.find("--- transport") != std::string::npos);
   CHECK(slabs.log.find("1.2247") != std::string::npos); // sqrt(3 / 2): nothing goes across, two axes are free
+  CHECK_EQUAL(run(2, true, false, nothing, "analyse.pores=true").status, CONCEG_E_MISSING);
+  const Run pores = run(2, true, false, put_slabs(1.3), "analyse.pores=true");
+  CHECK_EQUAL(pores.status, CONCEG_OK);
+  CHECK(pores.log.find("thickness_radius") != std::string::npos);
+  CHECK(pores.bytes == run(3, true, false, put_slabs(1.3), "analyse.pores=true").bytes);
 
   const Run none = run(2, true, false, nothing, "analyse.spectrum=true");
   CHECK_EQUAL(none.status, CONCEG_OK);
