@@ -96,4 +96,15 @@ Table pore_table(const PoreSpace &space, const PoreSpace &sections) {
   return table;
 }
 
+Table path_table(const PathStraightness &paths) {
+  Table table("paths");
+  const auto put = [&](const char *way, const Distribution &d) {
+    table.put("way", std::string(way));
+    table.put("pairs", paths.pairs), table.put("without_path", paths.apart);
+    table.put("straightness", d.mean, "1"), table.put("sd", d.sd, "1"), table.put("median", d.median, "1");
+  };
+  put("fast_marching", paths.marched), put("steps", paths.stepped);
+  return table;
+}
+
 } // namespace conceg::analyse

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tables of composition scaling, of power spectra, of transport and of pores.
+// The tables of composition scaling, of power spectra, of transport, of pores and of paths.
 #pragma once
 
 #include "composition.hpp"
-#include "pore_space.hpp"
+#include "paths.hpp"
 #include "spectrum.hpp"
 #include "statistics_table.hpp"
 
@@ -29,5 +29,8 @@ Table transport_table(const Transport &coarse, double coarse_um, const Transport
 
 // A row per definition, in space and in sections across z.
 Table pore_table(const PoreSpace &space, const PoreSpace &sections);
+
+// A row per way of going.
+Table path_table(const PathStraightness &paths);
 
 } // namespace conceg::analyse

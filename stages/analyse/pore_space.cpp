@@ -76,23 +76,6 @@ template <class Visit> void neighbours(const OpenVoxels &v, std::size_t i, const
       }
 }
 
-Distribution distribution(std::vector<double> x) {
-  Distribution out;
-  out.count = x.size();
-  if (x.empty()) return out;
-  std::sort(x.begin(), x.end());
-  const auto n = static_cast<double>(x.size());
-  for (const double v : x)
-    out.mean += v / n;
-  double squares = 0;
-  for (const double v : x)
-    squares += (v - out.mean) * (v - out.mean);
-  if (x.size() > 1) out.sd = std::sqrt(squares / (n - 1));
-  const auto quantile = [&](double share) { return x[static_cast<std::size_t>(share * (n - 1) + 0.5)]; };
-  out.median = quantile(0.5), out.p95 = quantile(0.95);
-  return out;
-}
-
 std::vector<std::size_t> by_radius(const OpenVoxels &v, const std::vector<float> &radius) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < v.open.size(); i++)
@@ -193,6 +176,23 @@ void add_chords(const OpenVoxels &v, std::size_t axis, std::vector<double> &out)
 }
 
 } // namespace
+
+Distribution distribution(std::vector<double> x) {
+  Distribution out;
+  out.count = x.size();
+  if (x.empty()) return out;
+  std::sort(x.begin(), x.end());
+  const auto n = static_cast<double>(x.size());
+  for (const double v : x)
+    out.mean += v / n;
+  double squares = 0;
+  for (const double v : x)
+    squares += (v - out.mean) * (v - out.mean);
+  if (x.size() > 1) out.sd = std::sqrt(squares / (n - 1));
+  const auto quantile = [&](double share) { return x[static_cast<std::size_t>(share * (n - 1) + 0.5)]; };
+  out.median = quantile(0.5), out.p95 = quantile(0.95);
+  return out;
+}
 
 std::vector<float> pore_radii(const OpenVoxels &voxels, Workers &workers) {
   std::vector<float> squared(voxels.open.size());

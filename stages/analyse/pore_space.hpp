@@ -14,6 +14,9 @@ struct Distribution {
   double mean = 0, sd = 0, median = 0, p95 = 0; // um
 };
 
+// All 0 of no values.
+Distribution distribution(std::vector<double> values);
+
 struct PoreSpace {
   Distribution centres; // radius at the maxima of the distance, those that stand out by half a voxel or more
                         // (the paper)

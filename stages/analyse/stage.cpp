@@ -295,6 +295,22 @@ void measure_pore_space(conceg_ctx *ctx, conceg_doc *doc, const OpenVoxels &voxe
   log_table(ctx, table);
 }
 
+void measure_paths(conceg_ctx *ctx, conceg_doc *doc, const OpenVoxels &voxels, Workers &workers) {
+  if (voxels.open.empty()) return;
+  PathSettings settings;
+  settings.seed = conceg_ctx_seed(ctx);
+  const PathStraightness found = path_straightness(voxels, settings, workers, progress_of(ctx));
+  if (!found.pairs) {
+    conceg_ctx_log(
+        ctx, CONCEG_LOG_WARNING,
+        "analyse: paths: void: the box is too small for pairs %g um apart, or has nothing outside of cells",
+        settings.least);
+    return;
+  }
+  write_table(doc, path_table(found));
+  log_table(ctx, path_table(found));
+}
+
 // Paths of each class apart; classes without a path that is long enough are told.
 void measure_spectra(conceg_ctx *ctx, conceg_doc *doc, const Cells &cells, Workers &workers) {
   if (!has(doc, "/skeleton/position"))
@@ -372,7 +388,7 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
 
   for (const char *name :
        {"summary", "class", "type", "neurite", "bars", "morphometry", "cell", "comparison", "comparison_bars",
-        "composition", "composition_fit", "spectrum", "spectrum_fit", "transport", "pore_space"})
+        "composition", "composition_fit", "spectrum", "spectrum_fit", "transport", "pore_space", "paths"})
     must(conceg_doc_drop(doc, (std::string("/statistics/") + name).c_str()));
   for (const Table &table :
        {summary_table(cells, measures), class_table(cells, measures), type_table(cells, measures),
@@ -389,6 +405,7 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
   };
   if (conceg_params_bool(params, "transport"))
     measure_transport(ctx, doc, extracellular("transport"), workers);
+  if (conceg_params_bool(params, "paths")) measure_paths(ctx, doc, extracellular("paths"), workers);
   if (conceg_params_bool(params, "pores")) measure_pore_space(ctx, doc, extracellular("pores"), workers);
   if (conceg_params_bool(params, "spectrum")) measure_spectra(ctx, doc, cells, workers);
   workers.count(ctx, "analyse.items");
@@ -427,6 +444,8 @@ const conceg_param parameters[] = {
     {"pores", "",
      "sizes of the extracellular space by five definitions, in space and in sections, from /volumes", "false",
      nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
+    {"paths", "", "straightness of paths through the extracellular space, from /volumes", "false", nullptr,
+     CONCEG_PARAM_BOOL, 0, 0, 0},
     {"transport", "", "transport tortuosity lambda of the extracellular space, from /volumes", "false",
      nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"spectrum", "", "power spectrum of the cross-section along paths of 100 um", "false", nullptr,

@@ -66,6 +66,7 @@ same = {
     "mesh.space": "a line of the log",
     "triangulate.tile_um": "size of the pieces that are worked on: changes the time only",
     "analyse.icvf_tolerance": "where a warning begins: the measures are the same",
+    "analyse.paths": "the voxels of this tissue are too coarse for it: unit.analyse_paths has finer ones",
     "analyse.pores": "the voxels of this tissue are too coarse for it: unit.analyse_stage has finer ones",
     "analyse.transport": "the voxels of this tissue are too coarse for it: unit.analyse_stage has finer ones",
     "analyse.spectrum": "no path of this small tissue is long enough: unit.analyse_stage has one",

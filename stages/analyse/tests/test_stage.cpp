@@ -182,6 +182,10 @@ void experiments() {
   CHECK_EQUAL(pores.status, CONCEG_OK);
   CHECK(pores.log.find("thickness_radius") != std::string::npos);
   CHECK(pores.bytes == run(3, true, false, put_slabs(1.3), "analyse.pores=true").bytes);
+  CHECK_EQUAL(run(2, true, false, nothing, "analyse.paths=true").status, CONCEG_E_MISSING);
+  const Run small =
+      run(2, true, false, put_slabs(1.3), "analyse.paths=true"); // 20 um: no pair is 10 um apart
+  CHECK(small.log.find("paths: void: the box is too small") != std::string::npos);
 
   const Run none = run(2, true, false, nothing, "analyse.spectrum=true");
   CHECK_EQUAL(none.status, CONCEG_OK);
