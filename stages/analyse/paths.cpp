@@ -71,14 +71,16 @@ using Queue = std::priority_queue<Entry, std::vector<Entry>, std::greater<>>;
 struct Term {
   double weight, base, nearest;
 };
-double solved(std::array<Term, 3> &terms, std::size_t count) {
-  const auto end = terms.begin() + static_cast<std::ptrdiff_t>(count);
-  std::sort(terms.begin(), end, [](const Term &x, const Term &y) { return x.nearest < y.nearest; });
+double solved(std::array<Term, 3> &terms) {
+  const auto order = [&](std::size_t i, std::size_t j) {
+    if (terms[j].nearest < terms[i].nearest) std::swap(terms[i], terms[j]);
+  };
+  order(0, 1), order(1, 2), order(0, 1);
   double best = std::numeric_limits<double>::infinity();
   double a = 0, b = 0, c = -1;
-  for (auto t = terms.begin(); t != end; t++) {
-    if (t->nearest >= best) break;
-    a += t->weight, b += t->weight * t->base, c += t->weight * t->base * t->base;
+  for (const Term &t : terms) {
+    if (t.nearest >= best) break; // also the terms of axes without a settled neighbour
+    a += t.weight, b += t.weight * t.base, c += t.weight * t.base * t.base;
     const double root = b * b - a * c;
     if (root < 0) break;
     best = (b + std::sqrt(root)) / a;
@@ -90,11 +92,11 @@ double solved(std::array<Term, 3> &terms, std::size_t count) {
 double length_at(const OpenVoxels &v, const Grid &grid, const std::vector<float> &length,
                  const std::vector<std::uint8_t> &settled, std::size_t i) {
   const std::array<std::size_t, 3> p = grid.at(i);
-  std::array<Term, 3> terms = {};
-  std::size_t count = 0;
+  constexpr Term nothing = {0, 0, std::numeric_limits<double>::infinity()};
+  std::array<Term, 3> terms = {nothing, nothing, nothing};
   for (std::size_t axis = 0; axis < 3; axis++) {
     if (v.shape[axis] == 1) continue;
-    Term best = {0, 0, std::numeric_limits<double>::infinity()};
+    Term &best = terms[axis];
     for (const long side : {-1L, 1L}) {
       const std::size_t one = grid.next(p, axis, side), two = grid.next(p, axis, 2 * side);
       if (!settled[one]) continue;
@@ -107,9 +109,8 @@ double length_at(const OpenVoxels &v, const Grid &grid, const std::vector<float>
         best = {2.25 / (h * h), (4 * near - beyond) / 3, near};
       }
     }
-    if (best.weight > 0) terms[count++] = best;
   }
-  return solved(terms, count);
+  return solved(terms);
 }
 
 // True when all voxels that a straight line between two voxels near each other can touch are open.
