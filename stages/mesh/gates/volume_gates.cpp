@@ -153,6 +153,9 @@ void fraction_by_points(const Search &search, const conceg_box &box, double by_m
                share =
                    static_cast<double>(std::accumulate(hits.begin(), hits.end(), std::uint64_t(0))) / count,
                error = std::sqrt(share * (1 - share) / count);
+  if (3 * error > limits.icvf)
+    return gates.not_judged("/meshes", in_box,
+                            line("%.0f points tell the fraction to %.5f only", count, error));
   gates.at_most("/meshes", in_box, std::fabs(share - by_mesh), limits.icvf, "1",
                 line("%.5f +- %.5f by %.0f located points, %.5f by the surfaces' volumes", share, error,
                      count, by_mesh));
