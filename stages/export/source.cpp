@@ -85,7 +85,45 @@ Tree Source::tree(std::uint64_t cell) const {
   return tree;
 }
 
-CellSurface Source::surface(std::uint64_t cell, Form form) const {
+namespace {
+
+CutSurface formed(const conceg_box &box, const Surface &surface, Form form) {
+  if (form == Form::open) return cut_at_box(box, surface);
+  if (form == Form::capped) return capped_at_box(box, surface);
+  CutSurface out;
+  if (form == Form::images) {
+    TiledSurface tiled = tile(box, surface);
+    out.source_face = std::move(tiled.source_face);
+    static_cast<Surface &>(out) = std::move(static_cast<Surface &>(tiled));
+    return out;
+  }
+  static_cast<Surface &>(out) = surface;
+  for (std::uint32_t f = 0; f < surface.face.size(); f++)
+    out.source_face.push_back(f);
+  return out;
+}
+
+// A tile after the other; sides between tiles cut nothing.
+CutSurface repeated(const conceg_box &box, const Tiles &tiles, const Surface &surface, Form form) {
+  if (tiles.one()) return formed(box, surface, form);
+  const conceg_box all = tiles.of(box);
+  CutSurface out;
+  for (int x = 0; x < tiles.count[0]; x++)
+    for (int y = 0; y < tiles.count[1]; y++)
+      for (int z = 0; z < tiles.count[2]; z++) {
+        Surface moved = surface;
+        for (glm::dvec3 &p : moved.vertex)
+          p += glm::dvec3(x, y, z) * side(box);
+        const CutSurface part = formed(all, moved, form);
+        append(out, part);
+        out.source_face.insert(out.source_face.end(), part.source_face.begin(), part.source_face.end());
+      }
+  return out;
+}
+
+} // namespace
+
+CellSurface Source::surface(std::uint64_t cell, Form form, const Tiles &tiles) const {
   CellSurface out;
   const View<std::uint64_t> face_offset = view<std::uint64_t>(doc_, "/meshes/face_offset");
   const std::size_t rows = view<std::uint32_t>(doc_, "/meshes/face", 3).rows();
@@ -109,15 +147,8 @@ CellSurface Source::surface(std::uint64_t cell, Form form) const {
       out.component.insert(out.component.end(), component.data() + from, component.data() + to);
     if (section.data()) out.section.insert(out.section.end(), section.data() + from, section.data() + to);
   }
-  if (form == Form::closed) return out;
-  CutSurface changed;
-  if (form == Form::images) {
-    TiledSurface tiled = tile(box_, out.surface);
-    changed.source_face = std::move(tiled.source_face);
-    static_cast<Surface &>(changed) = std::move(static_cast<Surface &>(tiled));
-  } else {
-    changed = form == Form::open ? cut_at_box(box_, out.surface) : capped_at_box(box_, out.surface);
-  }
+  if (form == Form::closed && tiles.one()) return out;
+  CutSurface changed = repeated(box_, tiles, out.surface, form);
   const auto pick = [&](auto &column) {
     if (column.empty()) return;
     auto picked = column;

@@ -112,6 +112,7 @@ texts = {
     "import.compartment": "intra",
     "export.cells": "0",
     "export.dir": "{work}/exported",
+    "export.tiles": "2x1x1",
     "export.b_values_ms_per_um2": "0 2",
     "import.info": "{work}/other_info.txt",
     "render.cells": "0",
