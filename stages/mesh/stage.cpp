@@ -20,7 +20,7 @@ namespace {
 using namespace conceg;
 using namespace conceg::mesh;
 
-constexpr char kVersion[] = "1.1.0";
+constexpr char kVersion[] = "1.2.0";
 constexpr double kGapReach = 1.5; // gaps are measured up to so many times the gap that is asked
 
 const conceg_param parameters[] = {
@@ -279,9 +279,10 @@ Finished finished_smooth(const Tissue &tissue, const SceneOptions &scene_options
   return done;
 }
 
-void make_meshes(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, const Tissue &tissue,
-                 const SceneOptions &scene_options, Workers &workers, const Progress &progress,
-                 Phases &phases) {
+// Tells which skeleton segments lie in pieces that are left out.
+std::vector<std::uint8_t> make_meshes(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params,
+                                      const Tissue &tissue, const SceneOptions &scene_options,
+                                      Workers &workers, const Progress &progress, Phases &phases) {
   const std::string side_file = conceg_params_text(params, "checkpoint");
   const Scene scene = make_scene(tissue, scene_options);
   check_room(ctx, scene, scene_options.cluster, side_file);
@@ -320,6 +321,7 @@ void make_meshes(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, 
   report_result(ctx, tissue, done, check, total);
   phases.end("final check");
   if (!side_file.empty()) std::remove(side_file.c_str());
+  return left_out_segments(tissue, check.surfaces, done.pieces, workers);
 }
 
 void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
@@ -335,9 +337,10 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   Phases phases;
   if (conceg_params_bool(params, "smooth") && tissue.cells() != 1)
     fail(CONCEG_E_RANGE, "smooth: expected a single cell, got %zu; leave smooth out", tissue.cells());
-  const VolumeOutput volume(ctx, params, tissue, options, workers);
+  VolumeOutput volume(ctx, params, tissue, options, workers);
   phases.end("volume laid out");
-  make_meshes(ctx, doc, params, tissue, options, workers, progress, phases);
+  volume.leave_out(ctx, tissue, make_meshes(ctx, doc, params, tissue, options, workers, progress, phases),
+                   workers);
 
   must(conceg_doc_drop(doc, "/volumes"));
   volume.write(ctx, doc, workers);

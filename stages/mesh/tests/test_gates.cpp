@@ -341,6 +341,65 @@ void closed_space(conceg_ctx *ctx) {
   std::remove(spoiled);
 }
 
+// Label and distance of the voxel that holds a place of the box.
+std::pair<std::uint32_t, float> voxel_at(conceg_doc *doc, const glm::dvec3 &p) {
+  const auto leaf = copy<std::int32_t>(doc, "/volumes/leaf_origin", 3);
+  const auto label = copy<std::uint32_t>(doc, "/volumes/label", 512);
+  const auto distance = copy<float>(doc, "/volumes/distance", 512);
+  const auto origin = copy<double>(doc, "/volumes@origin"), spacing = copy<double>(doc, "/volumes@spacing");
+  int at[3];
+  for (int axis = 0; axis < 3; axis++)
+    at[axis] = static_cast<int>(std::lround((p[axis] - origin[static_cast<std::size_t>(axis)]) /
+                                            spacing[static_cast<std::size_t>(axis)]));
+  for (std::size_t row = 0; row < leaf.size() / 3; row++) {
+    const int x = at[0] - leaf[3 * row], y = at[1] - leaf[3 * row + 1], z = at[2] - leaf[3 * row + 2];
+    if (x < 0 || y < 0 || z < 0 || x > 7 || y > 7 || z > 7) continue;
+    const auto k = 512 * row + static_cast<std::size_t>(64 * x + 8 * y + z);
+    return {label[k], distance[k]};
+  }
+  return {0, 1e9f};
+}
+
+// Neurites with a waist that the grid cannot hold: what the meshes leave out is in no volume, and keeps its
+// neighbour away all the same. Of a cell without soma the larger part stays, wherever its root is.
+void left_out_pieces(conceg_ctx *ctx) {
+  Tissue tissue = empty_box(16);
+  const auto add_waist = [&](double y, double from, double end) {
+    std::int64_t row = add_point(tissue, {from, y, 8.125}, 0.5, -1);
+    row = add_point(tissue, {from + 2, y, 8.125}, 0.5, row);
+    row = add_point(tissue, {from + 3, y, 8.125}, 0.05, row);
+    row = add_point(tissue, {from + 4, y, 8.125}, 0.6, row);
+    add_point(tissue, {end, y, 8.125}, 0.6, row);
+  };
+  add_cell(tissue, {4, 4, 8}, 2);
+  add_waist(4.125, 6, 13); // halfway between nodes
+  add_cell(tissue, {8, 12, 8}, 0);
+  add_waist(12.125, 1, 14);
+  add_tube(tissue, {12, 5.225, 2}, {12, 5.225, 14}, 0.6); // presses on the part of cell 0 that is left out
+  conceg_doc *doc = document_of(ctx, tissue);
+  CHECK_EQUAL(run_stage(ctx, doc, {"mesh.h_um=0.25", "mesh.volume_step_um=0.1"}), CONCEG_OK);
+  const auto detached = copy<double>(doc, "/meshes/detached_volume");
+  CHECK(detached[0] > 2 && detached[1] > 1 && detached[2] == 0);
+  CHECK_EQUAL(voxel_at(doc, {7, 4, 8}).first, 1);
+  CHECK_EQUAL(voxel_at(doc, {11, 4, 8}).first, 0);
+  CHECK(voxel_at(doc, {11, 4, 8}).second > 0);
+  CHECK_EQUAL(voxel_at(doc, {2, 12, 8}).first, 0);
+  CHECK(voxel_at(doc, {2, 12, 8}).second > 0);
+  CHECK_EQUAL(voxel_at(doc, {8, 12, 8}).first, 2);
+  CHECK(voxel_at(doc, {8, 12, 8}).second < -0.15f);
+  // Its side of the contact plane ends at y = 4.675 + g/2; where nothing presses it reaches to 4.625.
+  CHECK_EQUAL(voxel_at(doc, {12, 5, 8}).first, 3);
+  CHECK_EQUAL(voxel_at(doc, {12, 4.65, 8}).first, 0);
+  CHECK_EQUAL(voxel_at(doc, {12, 4.66, 3}).first, 3);
+  conceg::must(conceg_doc_save(doc, spoiled));
+  conceg::must(conceg_doc_close(doc));
+  const Verdicts verdicts = check_file(ctx, spoiled);
+  for (const char *name : {"volume fraction by labels", "volumes of cells by labels", "labels in place"})
+    CHECK_TEXT(verdicts.of(name).c_str(), "passed");
+  CHECK_TEXT(verdicts.of("detached pieces").c_str(), "failed");
+  std::remove(spoiled);
+}
+
 } // namespace
 
 int main() {
@@ -356,6 +415,7 @@ int main() {
   surfaces(ctx);
   labels_and_volumes(ctx);
   closed_space(ctx);
+  left_out_pieces(ctx);
   std::remove(file);
   conceg_ctx_free(ctx);
   return check_done();
