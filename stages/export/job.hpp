@@ -18,6 +18,7 @@ struct Options {
   bool whole;            // a CATERPillar table of the cells as they are stored
   Form form;             // of surfaces
   Tiles tiles;           // of surfaces
+  int level;             // of surfaces
   int columns;           // of a CATERPillar table
   std::uint64_t walkers; // starting points, intracellular and as many extracellular
   double fraction_um;    // voxel of the fraction map
@@ -36,8 +37,8 @@ struct Job {
   std::string cells_are; // for the manifest, where it is not the same for all files of a format
 
   Job(conceg_ctx *context, conceg_doc *document, const Options &all)
-      : ctx(context), doc(document), options(all), source(document), cells(source.select(all.cells)),
-        folder(all.dir), progress(progress_of(context)) {}
+      : ctx(context), doc(document), options(all), source(document, all.level),
+        cells(source.select(all.cells)), folder(all.dir), progress(progress_of(context)) {}
 
   // A row of the index about a file of one cell.
   Written about(const Cell &cell, std::string file, const char *what) const;

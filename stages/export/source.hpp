@@ -42,7 +42,8 @@ struct Tiles {
 
 class Source {
 public:
-  explicit Source(conceg_doc *doc);
+  // `level`: of detail of the surfaces; 0 = the full ones.
+  explicit Source(conceg_doc *doc, int level = 0);
   const conceg_box &box() const { return box_; }
   const conceg_substrate *substrate() const { return substrate_.get(); }
   std::uint64_t seed() const { return seed_; }
@@ -58,13 +59,16 @@ public:
   Volume volume() const;
 
 private:
+  void find_surfaces();
+  conceg_mesh_view mesh(std::uint64_t row) const;
   conceg_doc *doc_;
   std::shared_ptr<conceg_substrate> substrate_;
   conceg_box box_;
+  int level_;
   std::uint64_t seed_ = 0;
   bool has_skeleton_ = false;
   std::vector<std::string> layers_;                     // per type
-  std::vector<std::vector<std::uint64_t>> surfaces_of_; // per cell; empty without meshes
+  std::vector<std::vector<std::uint64_t>> surfaces_of_; // per cell: rows of /meshes; empty without any
 };
 
 } // namespace conceg::exporting

@@ -36,6 +36,11 @@ const conceg_param parameters[] = {
      "sides "
      "alone",
      "1x1x1", nullptr, CONCEG_PARAM_TEXT, 0, 0, 0},
+    {"level", "",
+     "vtk, ply, stl, obj, gltf: of surfaces; 1 and more are coarser ones, for viewers, which mesh --levels "
+     "makes "
+     "and which may cross one another",
+     "0", nullptr, CONCEG_PARAM_I64, 0, 0, 4},
     {"ascii", "", "ply: as text instead of binary", "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"columns", "", "caterpillar: of the table; the tenth is parent_component_id", "9", "9|10",
      CONCEG_PARAM_CHOICE, 0, 0, 0},
@@ -112,9 +117,15 @@ bool is_mesh_format(const std::string &name) {
 
 // What goes together.
 void check_options(const Options &options) {
+  if (options.level != 0 && options.form == Form::extracellular)
+    fail(CONCEG_E_PARAM, "form=extracellular: expected level=0, as cells of coarser levels may cross, got %d",
+         options.level);
   if (is_mesh_format(options.to)) return;
   if (!options.tiles.one() && options.to != "all")
     fail(CONCEG_E_PARAM, "tiles: expected one of vtk, ply, stl, obj, gltf, all for to, got %s",
+         options.to.c_str());
+  if (options.level != 0 && options.to != "all")
+    fail(CONCEG_E_PARAM, "level: expected one of vtk, ply, stl, obj, gltf, all for to, got %s",
          options.to.c_str());
   if (options.form == Form::extracellular)
     fail(CONCEG_E_PARAM, "form=extracellular: expected one of vtk, ply, stl, obj, gltf for to, got %s",
@@ -142,6 +153,7 @@ Options read_options(const conceg_params *params) {
                  : options.wrapped         ? Form::images
                                            : Form::closed;
   options.tiles = parse_tiles(conceg_params_text(params, "tiles"));
+  options.level = static_cast<int>(conceg_params_i64(params, "level"));
   check_options(options);
   options.columns = std::strcmp(conceg_params_text(params, "columns"), "10") ? 9 : 10;
   options.walkers = static_cast<std::uint64_t>(conceg_params_i64(params, "walkers"));

@@ -4,6 +4,7 @@
 
 #include "final_check.hpp"
 #include "finish.hpp"
+#include "levels.hpp"
 #include "output.hpp"
 #include "pinch.hpp"
 #include "smooth.hpp"
@@ -45,6 +46,10 @@ const conceg_param parameters[] = {
     {"volumes", "", "write label and distance volumes", "true", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"volume_step_um", "um", "largest voxel of the volumes; 0 = twice h_um", "0", nullptr, CONCEG_PARAM_F64,
      0, 0, 100},
+    {"levels", "", "coarser versions of each surface beside it, for viewers; they may cross one another", "0",
+     nullptr, CONCEG_PARAM_I64, 0, 0, 4},
+    {"level_um", "um", "how far level 1 may lie from the surface; each further level three times as far",
+     "0.2", nullptr, CONCEG_PARAM_F64, 0, 0.001, 100},
     {"space", "", "measure the extracellular space on the grid's tetrahedra, its pieces too (periodic boxes)",
      "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"checkpoint", "",
@@ -215,6 +220,17 @@ void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done, 
                    100 * cut / total);
 }
 
+void tell_levels(conceg_ctx *ctx, const std::vector<Level> &levels) {
+  for (std::size_t i = 0; i < levels.size(); i++) {
+    std::size_t faces = 0;
+    for (const SurfaceView &surface : levels[i].surfaces)
+      faces += surface.faces;
+    conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                   "mesh: level %zu: %zu faces; %zu surfaces are those of the level before", i + 1, faces,
+                   levels[i].unchanged);
+  }
+}
+
 void report_space(conceg_ctx *ctx, const Space &space) {
   conceg_ctx_log(
       ctx, CONCEG_LOG_RESULT,
@@ -312,12 +328,17 @@ std::vector<std::uint8_t> make_meshes(conceg_ctx *ctx, conceg_doc *doc, const co
     conceg_ctx_log(ctx, CONCEG_LOG_INFO, "mesh: %zu cells taken over from %s", done.taken_over,
                    side_file.c_str());
   const std::vector<std::uint8_t> there = report_pieces(ctx, done.pieces, done.surfaces);
+  const std::vector<Level> levels =
+      make_levels(done.surfaces, tissue.cells(), static_cast<int>(conceg_params_i64(params, "levels")),
+                  conceg_params_f64(params, "level_um"), options.folder, workers, progress);
+  tell_levels(ctx, levels);
   must(conceg_doc_drop(doc, "/meshes"));
-  write_surfaces(doc, scene, index, done, workers);
+  write_surfaces(doc, scene, index, done, levels, workers);
   workers.count(ctx, "mesh.faces");
   phases.end("write");
   const FinalCheck check = judge(doc, there, options, workers, progress);
-  const double total = write_measures(doc, tissue.box, scene, check, done.pieces, options.gap, workers);
+  const double total =
+      write_measures(doc, tissue.box, scene, check, done.pieces, levels, options.gap, workers);
   report_result(ctx, tissue, done, check, total);
   phases.end("final check");
   if (!side_file.empty()) std::remove(side_file.c_str());

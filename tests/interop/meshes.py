@@ -45,6 +45,7 @@ def single_cells(work, document):
     with h5py.File(document) as file:
         cells, volumes, genus = (file[f"meshes/{name}"][...] for name in ("cell", "volume", "genus"))
         faces = np.diff(file["meshes/face_offset"][...])
+        cells = cells[file["meshes/lod"][...] == 0]
     for row, cell in enumerate(cells):
         path = next((work / "ply").glob(f"*{cell:04d}*.ply"))
         mesh = trimesh.load(path, process=False)
@@ -135,6 +136,20 @@ def forms(export, work, document, box, icvf, cells):
     return faces
 
 
+def levels(export, work, document, total):
+    """Coarser levels: closed, of the same volume, lighter."""
+    faces = []
+    for level in (0, 1, 2):
+        export(document, "--to", "ply", "--level", level, "--dir", work / f"level{level}")
+        meshes = [trimesh.load(path, process=False) for path in sorted((work / f"level{level}/ply").glob("cell*.ply"))]
+        expect(all(closed_and_alike(m) and m.body_count == 1 for m in meshes), f"level {level}: closed bodies, wound alike")
+        volume = sum(m.volume for m in meshes)
+        expect(abs(volume - total) < 1e-4 * total, f"level {level}: volume {volume}, expected {total}")
+        faces.append(sum(len(m.faces) for m in meshes))
+    expect(faces[1] < 0.7 * faces[0] and faces[2] < 0.25 * faces[0], f"levels: {faces} faces")
+    return faces
+
+
 def disimpy_loads(work, box):
     import warnings
 
@@ -199,7 +214,7 @@ def mcdc_rules(work):
 
 def main(work):
     document = work / "cube.cgx"
-    subprocess.run([bin_folder / "conceg", "run", recipe, "--until", "mesh", "--set", "mesh.h_um=0.5", "-q", "-o", document], check=True)
+    subprocess.run([bin_folder / "conceg", "run", recipe, "--until", "mesh", "--set", "mesh.h_um=0.5", "--set", "mesh.levels=2", "-q", "-o", document], check=True)
 
     def export(*words):
         subprocess.run([bin_folder / "conceg-export", *map(str, words), "-q"], check=True)
@@ -209,15 +224,16 @@ def main(work):
     with h5py.File(document) as file:
         icvf = file["meshes"].attrs["icvf"]
         box = file["domain"].attrs["hi"] - file["domain"].attrs["lo"]
-        total = file["meshes/volume"][...].sum()
+        total = file["meshes/volume"][...][file["meshes/lod"][...] == 0].sum()
     cells = single_cells(work, document)
     together = [pyvista.read(path) for path in sorted((work / "vtk").rglob("*.vtp"))]
     meshes = [mesh for mesh in together if mesh.n_cells and mesh.is_all_triangles]
     expect(meshes and same_volume(sum(mesh.volume for mesh in meshes), total), f"PyVista: volume of the .vtp {sum(m.volume for m in meshes)}, expected {total}")
     space = forms(export, work, document, box, icvf, cells)
+    lighter = levels(export, work, document, total)
     faces = disimpy_loads(work, box)
     files = mcdc_rules(work)
-    print(f"meshes before others: {cells} cells by trimesh, meshio and PyVista, {faces} triangles by DiSimPy's loader, {files} PLY files by MC/DC's rules; extracellular surfaces of {space[0]} and, of four tiles, {space[1]} triangles")
+    print(f"meshes before others: {cells} cells by trimesh, meshio and PyVista, {faces} triangles by DiSimPy's loader, {files} PLY files by MC/DC's rules; extracellular surfaces of {space[0]} and, of four tiles, {space[1]} triangles; levels of detail of {lighter} triangles")
 
 
 os.environ.setdefault("NUMBA_DISABLE_CUDA", "1")

@@ -20,7 +20,7 @@ const char *const g = "/meshes";
 
 struct Faces {
   View<std::uint32_t> cell, face, section;
-  View<std::uint8_t> compartment;
+  View<std::uint8_t> compartment, lod;
   View<std::uint64_t> vertex_offset, face_offset;
   View<double> vertex;
   bool whole = false;
@@ -29,6 +29,7 @@ struct Faces {
         face(rows_of<std::uint32_t>(doc, "/meshes/face", 3)),
         section(rows_of<std::uint32_t>(doc, "/meshes/section")),
         compartment(rows_of<std::uint8_t>(doc, "/meshes/compartment")),
+        lod(rows_of<std::uint8_t>(doc, "/meshes/lod")),
         vertex_offset(rows_of<std::uint64_t>(doc, "/meshes/vertex_offset")),
         face_offset(rows_of<std::uint64_t>(doc, "/meshes/face_offset")),
         vertex(rows_of<double>(doc, "/meshes/vertex", 3)) {
@@ -114,7 +115,8 @@ struct Found {
 Found look(const Faces &f, const Skeletons &s, const Cells &cells, std::size_t row, double slack) {
   Found found;
   const std::size_t cell = f.cell[row];
-  if (cell >= cells.rows()) return found;
+  if (cell >= cells.rows() || (row < f.lod.rows() && f.lod[row]))
+    return found; // coarser ones are for viewers
   const Branches b = branches_of(s, cell);
   const std::uint64_t vertices = f.vertex_offset[row + 1] - f.vertex_offset[row];
   for (std::size_t i = f.face_offset[row]; i < f.face_offset[row + 1]; i++) {

@@ -6,6 +6,7 @@
 #include "components.hpp"
 #include "final_check.hpp"
 #include "finish.hpp"
+#include "topology.hpp"
 #include "wrap.hpp"
 
 #include <cmath>
@@ -40,7 +41,8 @@ const char *const other_names[] = {"rows",
                                    "genus as stored",
                                    "measures as stored",
                                    "detached pieces",
-                                   "volume fraction as stored"};
+                                   "volume fraction as stored",
+                                   "coarser levels closed"};
 
 void nothing_judged(Gates &gates, const std::string &why) {
   gates.not_judged(g, "values", why);
@@ -228,6 +230,43 @@ void fraction_as_stored(conceg_doc *doc, const conceg_box &box, const Measured &
                 line("stored %.9f, the surfaces enclose %.9f of the box", stored, found));
 }
 
+// Coarser levels are for viewers: each must be closed, manifold and outward by itself.
+void coarser_levels(conceg_doc *doc, Workers &workers, Gates &gates) {
+  const char *const name = "coarser levels closed";
+  const View<std::uint8_t> lod = rows_of<std::uint8_t>(doc, "/meshes/lod");
+  const View<std::uint32_t> cell = rows_of<std::uint32_t>(doc, "/meshes/cell");
+  const View<std::uint64_t> vertices = rows_of<std::uint64_t>(doc, "/meshes/vertex_offset"),
+                            faces = rows_of<std::uint64_t>(doc, "/meshes/face_offset");
+  const View<double> vertex = rows_of<double>(doc, "/meshes/vertex", 3);
+  const View<std::uint32_t> face = rows_of<std::uint32_t>(doc, "/meshes/face", 3);
+  if (std::none_of(lod.begin(), lod.end(), [](std::uint8_t level) { return level > 0; }))
+    return gates.not_judged(g, name, "no surfaces but those of level 0");
+  if (cell.rows() != lod.rows() || !ascends(vertices, lod.rows(), vertex.rows()) ||
+      !ascends(faces, lod.rows(), face.rows()))
+    return gates.not_judged(g, name, "/meshes cannot be read as surfaces");
+  std::vector<std::vector<Defect>> found(lod.rows());
+  Views surfaces(lod.rows());
+  workers.loop(lod.rows(), 1, [&](std::size_t k, unsigned) {
+    if (!lod[k]) return;
+    Bits plain;
+    SurfaceView &s = surfaces[k];
+    s.cell = cell[k];
+    s.absolute = reinterpret_cast<const glm::dvec3 *>(vertex.data()) + vertices[k];
+    s.face = reinterpret_cast<const glm::uvec3 *>(face.data()) + faces[k];
+    s.vertices = vertices[k + 1] - vertices[k], s.faces = faces[k + 1] - faces[k];
+    check_topology(s, static_cast<std::uint32_t>(k), found[k], plain);
+  });
+  std::uint64_t defects = 0, looked_at = 0;
+  std::string first;
+  for (std::size_t k = 0; k < found.size(); k++) {
+    looked_at += lod[k] > 0;
+    if (first.empty() && !found[k].empty())
+      first = line("level %u, ", unsigned(lod[k])) + describe(found[k][0], surfaces);
+    defects += found[k].size();
+  }
+  gates.none(g, name, defects, line("%llu surfaces", static_cast<unsigned long long>(looked_at)), first);
+}
+
 } // namespace
 
 void surface_gates(conceg_doc *doc, const Limits &limits, Workers &workers, const Progress &progress,
@@ -271,6 +310,7 @@ void surface_gates(conceg_doc *doc, const Limits &limits, Workers &workers, cons
   measures_as_stored(doc, check, measured, gates);
   left_out(doc, measured, limits, gates);
   fraction_as_stored(doc, box, measured, gates);
+  coarser_levels(doc, workers, gates);
 }
 
 } // namespace conceg::gates

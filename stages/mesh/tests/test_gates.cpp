@@ -137,8 +137,8 @@ void a_sound_file_passes(conceg_ctx *ctx) {
                   verdicts.gate[i].c_str(), verdicts.note[i].c_str());
   CHECK(verdicts.failed().empty());
   CHECK(verdicts.gate.size() > 30);
-  // Void: all sides are periodic; no walkers. Nothing else.
-  CHECK_EQUAL(std::count(verdicts.verdict.begin(), verdicts.verdict.end(), "void"), 2);
+  // Void: all sides are periodic; no levels; no walkers. Nothing else.
+  CHECK_EQUAL(std::count(verdicts.verdict.begin(), verdicts.verdict.end(), "void"), 3);
   CHECK_TEXT(verdicts.of("no walker leaks").c_str(), "void");
 }
 
@@ -400,6 +400,58 @@ void left_out_pieces(conceg_ctx *ctx) {
   std::remove(spoiled);
 }
 
+// Coarser levels: closed, manifold, of the same volume and genus, with fewer faces; they stand behind level
+// 0, change nothing in it, and readers that know no levels get level 0 alone.
+void levels_of_detail(conceg_ctx *ctx) {
+  const Tissue tissue = tissue_of_four();
+  conceg_doc *doc = document_of(ctx, tissue), *plain = document_of(ctx, tissue);
+  CHECK_EQUAL(run_stage(ctx, plain, {"mesh.h_um=0.2", "mesh.volumes=false"}), CONCEG_OK);
+  CHECK_EQUAL(
+      run_stage(ctx, doc, {"mesh.h_um=0.2", "mesh.volumes=false", "mesh.levels=3", "mesh.level_um=0.1"}),
+      CONCEG_OK);
+  CHECK_TEXT(conceg_ctx_error(ctx), "");
+  const auto lod = copy<std::uint8_t>(doc, "/meshes/lod");
+  CHECK(lod == (std::vector<std::uint8_t>{0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3}));
+  const auto vertex = copy<double>(doc, "/meshes/vertex", 3),
+             finest = copy<double>(plain, "/meshes/vertex", 3);
+  CHECK(vertex.size() > finest.size() && std::equal(finest.begin(), finest.end(), vertex.begin()));
+  const auto volume = copy<double>(doc, "/meshes/volume");
+  const auto genus = copy<std::int64_t>(doc, "/meshes/genus");
+  const auto faces = copy<std::uint64_t>(doc, "/meshes/face_offset");
+  const auto cell = copy<std::uint32_t>(doc, "/meshes/cell");
+  const auto code = copy<std::uint8_t>(doc, "/meshes/compartment");
+  for (std::size_t k = 4; k < lod.size(); k++) {
+    CHECK_EQUAL(cell[k], k % 4);
+    CHECK_NEAR(volume[k] / volume[k % 4], 1, 1e-4);
+    CHECK_EQUAL(genus[k], genus[k % 4]);
+    CHECK(faces[k + 1] - faces[k] < 0.8 * static_cast<double>(faces[k - 3] - faces[k - 4]));
+  }
+  CHECK(faces[16] - faces[12] < (faces[4] - faces[0]) / 10);
+  CHECK_EQUAL(code.size(), faces[16]);
+  CHECK(conceg::view<double>(doc, "/meshes@icvf")[0] == conceg::view<double>(plain, "/meshes@icvf")[0]);
+  conceg_substrate *substrate = nullptr;
+  conceg::must(conceg_substrate_open(doc, &substrate));
+  CHECK_EQUAL(conceg_substrate_meshes(substrate), 4);
+  conceg_substrate_free(substrate);
+  conceg::must(conceg_doc_save(doc, file));
+  const Verdicts verdicts = check_file(ctx, file);
+  CHECK(verdicts.failed().empty());
+  CHECK_TEXT(verdicts.of("coarser levels closed").c_str(), "passed");
+  must_fail(ctx, "coarser levels closed", "cell 0, face 1", [](conceg_doc *spoilt) {
+    edit<std::uint32_t>(spoilt, "/meshes/face", 3, [&](auto &corner) {
+      const auto first = 3 * copy<std::uint64_t>(spoilt, "/meshes/face_offset")[4];
+      std::copy(corner.begin() + std::ptrdiff_t(first + 3), corner.begin() + std::ptrdiff_t(first + 6),
+                corner.begin() + std::ptrdiff_t(first));
+    });
+  });
+  // Level 0 behind a coarser one: refused, not misread.
+  edit<std::uint8_t>(doc, "/meshes/lod", 1, [](auto &levels) { std::swap(levels[3], levels[4]); });
+  CHECK_EQUAL(conceg_substrate_open(doc, &substrate), CONCEG_E_FORMAT);
+  CHECK(std::strstr(conceg_ctx_error(ctx), "/meshes/lod[4]") != nullptr);
+  conceg::must(conceg_doc_close(doc));
+  conceg::must(conceg_doc_close(plain));
+}
+
 } // namespace
 
 int main() {
@@ -416,6 +468,7 @@ int main() {
   labels_and_volumes(ctx);
   closed_space(ctx);
   left_out_pieces(ctx);
+  levels_of_detail(ctx);
   std::remove(file);
   conceg_ctx_free(ctx);
   return check_done();
