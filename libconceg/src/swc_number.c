@@ -50,11 +50,18 @@ static const char *read_slowly(const char *text, const char *last, double *out) 
   return stop == copy + length ? last : NULL;
 }
 
-static int hex_digit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
+/* Value of a hexadecimal digit plus 1; 0 = none. */
+static const uint8_t hex_digit[256] = {
+    ['0'] = 1,  ['1'] = 2,  ['2'] = 3,  ['3'] = 4,  ['4'] = 5,  ['5'] = 6,  ['6'] = 7,  ['7'] = 8,
+    ['8'] = 9,  ['9'] = 10, ['a'] = 11, ['b'] = 12, ['c'] = 13, ['d'] = 14, ['e'] = 15, ['f'] = 16,
+    ['A'] = 11, ['B'] = 12, ['C'] = 13, ['D'] = 14, ['E'] = 15, ['F'] = 16};
+
+/* 2^exponent for -1022 to 1023. */
+static double power_of_two(int exponent) {
+  const uint64_t bits = (uint64_t)(exponent + 1023) << 52;
+  double out;
+  memcpy(&out, &bits, sizeof out);
+  return out;
 }
 
 /* Exponent digits after 'e' or 'p'; saturates, so that it never overflows. */
@@ -72,14 +79,14 @@ static const char *read_hex(const char *text, const char *p, const char *end, in
   uint64_t mantissa = 0;
   int digits = 0, exponent = 0, scale = 0, point = 0, exact = 1;
   for (; p < end; p++) {
-    const int digit = hex_digit(*p);
-    if (*p == '.' && !point) {
+    const unsigned digit = hex_digit[(unsigned char)*p];
+    if (!digit) {
+      if (*p != '.' || point) break;
       point = 1;
       continue;
     }
-    if (digit < 0) break;
     if (mantissa >> 49) exact = 0;
-    mantissa = mantissa * 16 + (unsigned)digit, digits = 1;
+    mantissa = mantissa * 16 + (digit - 1), digits = 1;
     if (point && scale > -4000000) scale -= 4; /* far beyond what an exponent can make up for */
   }
   if (!digits) return NULL;
@@ -89,7 +96,7 @@ static const char *read_hex(const char *text, const char *p, const char *end, in
   }
   exponent += scale;
   if (!exact || exponent < -1000 || exponent > 900) return read_slowly(text, p, out);
-  *out = ldexp((double)mantissa, exponent);
+  *out = (double)mantissa * power_of_two(exponent); /* below 2^53 and far from the ends: exact */
   if (negative) *out = -*out;
   return p;
 }

@@ -250,8 +250,10 @@ static void read_line(conceg_swc *swc, swc_footer *footer, const char *text, con
 
 /* The end of a line: LF, CR LF or CR. NULL when the piece ends before it is known. */
 static const char *line_end(const char *p, const char *end, int is_last) {
-  while (p < end && *p != '\n' && *p != '\r')
-    p++;
+  const size_t length = (size_t)(end - p);
+  const char *const feed = memchr(p, '\n', length), *const back =
+                                                        memchr(p, '\r', feed ? (size_t)(feed - p) : length);
+  p = back ? back : feed ? feed : end;
   return p < end - (p < end && *p == '\r') || is_last ? p : NULL;
 }
 

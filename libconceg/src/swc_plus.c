@@ -100,9 +100,10 @@ static void block_row(conceg_swc *swc, swc_footer *footer, const char *p, const 
   row.first_value = footer->value_count, row.line = line;
   for (i = 0; i < footer->width && !bad; i++) {
     double *const value = &footer->value[footer->value_count + i];
-    p = skip_space(stop, end), stop = word_end(p, end);
+    p = skip_space(stop, end);
     *value = NAN;
-    if (!word_is(p, stop, "-")) bad = p == stop || swc_read_double(p, stop, value) != stop;
+    stop = p < end && *p == '-' && (p + 1 == end || is_space(p[1])) ? p + 1 : swc_read_double(p, end, value);
+    bad = !stop || (stop < end && !is_space(*stop));
   }
   if (bad || skip_space(stop, end) != end) {
     swc_warn_strict(swc, line, "W_FOOTER", "expected an id and %zu values; the line is left out",
@@ -160,9 +161,19 @@ static void refine(conceg_swc *swc, const swc_footer_row *from, const char *name
              (long long)from->id, exact, *column);
 }
 
+/* Which of x, y, z, radius a column of the footer holds: 0 to 3, 4 = none of them. */
+static int own_column(const char *name) {
+  static const char *const own[4] = {"x", "y", "z", "radius"};
+  int k = 0;
+  while (k < 4 && strcmp(name, own[k]) != 0)
+    k++;
+  return k;
+}
+
 void swc_apply_footer(conceg_swc *swc, swc_footer *footer) {
   static const char *const own[4] = {"x", "y", "z", "radius"};
   const size_t first = swc->column_count;
+  int holds[MOST_FOOTER_COLUMNS];
   swc_ids *ids;
   size_t i, c, missing = 0;
   if (!footer->width || swc->out_of_memory) return;
@@ -171,6 +182,7 @@ void swc_apply_footer(conceg_swc *swc, swc_footer *footer) {
     if (!value) return;
     for (i = 0; i < swc->row_count; i++)
       value[i] = NAN;
+    holds[c] = own_column(footer->name[c]);
   }
   ids = swc_ids_new(swc);
   if (!ids) return;
@@ -185,11 +197,9 @@ void swc_apply_footer(conceg_swc *swc, swc_footer *footer) {
     }
     for (c = 0; c < footer->width; c++) {
       const double exact = footer->value[from->first_value + c];
-      int k;
+      const int k = holds[c];
       swc->column[first + c].value[row] = exact;
-      for (k = 0; k < 4; k++)
-        if (!strcmp(footer->name[c], own[k]))
-          refine(swc, from, own[k], exact, k < 3 ? &swc->row[row].position[k] : &swc->row[row].radius);
+      if (k < 4) refine(swc, from, own[k], exact, k < 3 ? &swc->row[row].position[k] : &swc->row[row].radius);
     }
   }
   swc_ids_free(ids);

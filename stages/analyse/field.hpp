@@ -30,6 +30,18 @@ struct LabelVolume {
 // Throws E_FORMAT with dataset[index] when the leaves or labels do not fit the box or the cells.
 void check(const LabelVolume &volume, const Cells &cells, const conceg_box &box);
 
+// Calls visit(x, y, z, label) for the voxels of one leaf that lie in the box.
+template <class Visit> void visit_leaf(const LabelVolume &volume, std::size_t leaf, const Visit &visit) {
+  for (std::size_t voxel = 0; voxel < 512; voxel++) {
+    const auto first = [&](std::size_t a) {
+      return static_cast<std::size_t>(volume.leaf_origin[3 * leaf + a]);
+    };
+    const std::size_t x = first(0) + voxel / 64, y = first(1) + voxel / 8 % 8, z = first(2) + voxel % 8;
+    if (x < volume.shape[0] && y < volume.shape[1] && z < volume.shape[2])
+      visit(x, y, z, volume.label[leaf * 512 + voxel]);
+  }
+}
+
 // The same shares from labels: a voxel counts as soma when it lies in the soma sphere of its own cell.
 FieldShares label_shares(const LabelVolume &volume, const Cells &cells, const conceg_box &box,
                          Workers &workers);

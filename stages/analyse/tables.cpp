@@ -7,6 +7,13 @@
 
 namespace conceg::analyse {
 
+std::vector<std::string> classes_of(const Cells &cells) {
+  std::vector<std::string> names;
+  for (const std::string &name : cells.type_class)
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  return names;
+}
+
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
@@ -22,14 +29,6 @@ Cable all_of(const CellCable &kinds) {
   for (const Cable &kind : kinds)
     sum.add(kind);
   return sum;
-}
-
-// Names in the order in which the types bring them, each once.
-std::vector<std::string> classes_of(const Cells &cells) {
-  std::vector<std::string> names;
-  for (const std::string &name : cells.type_class)
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  return names;
 }
 
 using Chosen = std::function<bool(std::size_t cell)>;

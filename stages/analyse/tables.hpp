@@ -26,6 +26,9 @@ struct Measures {
   Pores pores;                  // voxels 0: not measured
 };
 
+// Classes in the order in which the types bring them, each once.
+std::vector<std::string> classes_of(const Cells &cells);
+
 // Volume fraction by the meshes; 0 without meshes.
 double mesh_fraction(const Measures &measures);
 // Largest difference between those of the three measures that there are; 0 with one alone.

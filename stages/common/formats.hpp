@@ -19,7 +19,8 @@ struct Format {
 
 // name, program, files, unit, frame, groups
 #define CONCEG_IMPORT_FORMATS(F)                                                                             \
-  F("swc", "SWC, SWC-plus", "*.swc", "um", "as it stands; the box is put around, or [0, L]^3", "cells, skeleton")         \
+  F("swc", "SWC, SWC-plus", "*.swc", "um", "as it stands; the box is put around, or [0, L]^3",               \
+    "cells, skeleton")                                                                                       \
   F("cactus", "CACTUS", "strand list: .init, .partial, optimized_final.txt", "um", "box [-L/2, L/2]^3",      \
     "cells, skeleton")                                                                                       \
   F("ply", "CACTUS, ConFiG, MC/DC", "a folder of *.ply, one a cell; strand_NNNNN_outer|inner_erode_K.ply",   \
@@ -42,19 +43,20 @@ struct Format {
   F("ply", "any mesh program", "a .ply per cell and one of all", "um", "as it stands", "meshes")             \
   F("swc", "SWC, SWC-plus", "a .swc per cell", "um", "as it stands", "skeleton")                             \
   F("cactus", "CACTUS", "strands.txt, strands.csv", "um", "box [-L/2, L/2]^3", "skeleton")                   \
-  F("caterpillar", "CATERPillar", "voxel.csv of 9 or 10 columns, voxel_growth_info.txt, cells.csv", "um",               \
+  F("caterpillar", "CATERPillar", "voxel.csv of 9 or 10 columns, voxel_growth_info.txt, cells.csv", "um",    \
     "box [0, L]^3", "skeleton")                                                                              \
   F("mcdc", "MC/DC Simulator", "a text .ply per cell and one of all, .conf, .scheme, ini_walkers",           \
     "um; mm in .conf and ini_walkers", "box [0, L]", "meshes")                                               \
-  F("disimpy", "DiSimPy", "arrays .npy, run.py", "m", "box [0, L], pinned by two points",       \
-    "meshes")                                                                                                \
+  F("disimpy", "DiSimPy", "arrays .npy, run.py", "m", "box [0, L], pinned by two points", "meshes")          \
   F("camino", "Camino datasynth", "mesh.ply, .scheme, run.sh", "m", "box [0, L], pinned by two points",      \
     "meshes")                                                                                                \
-  F("rms", "RMS", "fiber.txt, simParamInput.txt, diffusivity.txt, T2.txt, bval.txt, bvec.txt", "um",         \
+  F("rms", "RMS",                                                                                            \
+    "intra/, extra/: fiber.txt, simParamInput.txt, diffusivity.txt, T2.txt, bval.txt, bvec.txt", "um",       \
     "box [0, L]", "volumes")                                                                                 \
-  F("spindoctor", "SpinDoctor", ".stl, .node and .poly per cell", "um", "as it stands", "meshes")            \
-  F("dmipy-sim", "dmipy-sim", "mesh.ply, mesh.py", "um; m by its scale", "box [0, L]", "meshes")              \
-  F("mcmr", "MCMRSimulator.jl", "a text .ply per cell, geometry.jl", "um", "box [0, L]", "meshes")                \
+  F("spindoctor", "SpinDoctor", ".node with .poly, and a text .stl, per cell", "um", "as it stands",         \
+    "meshes")                                                                                                \
+  F("dmipy-sim", "dmipy-sim", "mesh.ply, mesh.py", "um; m by its scale", "box [0, L]", "meshes")             \
+  F("mcmr", "MCMRSimulator.jl", "a text .ply per cell, geometry.jl", "um", "box [0, L]", "meshes")           \
   F("stl", "any mesh program", "a binary .stl per cell", "um", "as it stands", "meshes")                     \
   F("obj", "any mesh program", "cells.obj, an object per cell", "um", "as it stands", "meshes")              \
   F("gltf", "viewers", "cells.glb, a node per cell", "um", "as it stands, turned so that +z is up (+y)",     \

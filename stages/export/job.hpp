@@ -15,7 +15,7 @@ namespace conceg::exporting {
 struct Options {
   std::string to, dir, cells;
   bool wrapped, ascii;
-  bool whole;            // a CATERPillar table of the cells as they are stored
+  bool whole;            // CATERPillar and CACTUS: the cells as they are stored
   Form form;             // of surfaces
   Tiles tiles;           // of surfaces
   int level;             // of surfaces

@@ -19,6 +19,8 @@ struct NamedSurface {
 
 // Binary STL: single precision, normals of the faces.
 void write_stl(OutputFile &file, const Surface &surface);
+// STL as text, with all digits, for readers that take no other (TetGen).
+void write_stl_text(OutputFile &file, const Surface &surface);
 // OBJ: an object per surface.
 void write_obj(OutputFile &file, const std::vector<NamedSurface> &surfaces);
 // Binary glTF 2.0: a node per surface, its single-precision vertices about the node's place; the root turns

@@ -45,8 +45,8 @@ const conceg_param parameters[] = {
     {"columns", "", "caterpillar: of the table; the tenth is parent_component_id", "9", "9|10",
      CONCEG_PARAM_CHOICE, 0, 0, 0},
     {"whole", "",
-     "caterpillar: cells as they are stored, much of them outside of the voxel; otherwise all their periodic "
-     "images that meet it, each connected piece as a cell",
+     "caterpillar, cactus: cells as they are stored, much of them outside of the voxel; otherwise all their "
+     "periodic images that meet it, each connected piece as a cell or strand",
      "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"walkers", "", "mcdc, disimpy, camino, rms: starting points, inside of cells and as many outside",
      "1000", nullptr, CONCEG_PARAM_I64, 0, 1, 1e8},

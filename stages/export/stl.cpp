@@ -28,6 +28,24 @@ void write_stl(OutputFile &file, const Surface &surface) {
   file.write(bytes);
 }
 
+void write_stl_text(OutputFile &file, const Surface &surface) {
+  std::string text = "solid ConCeG\n";
+  const auto add = [&](const char *before, const glm::dvec3 &p) {
+    text += before + number_text(p.x) + " " + number_text(p.y) + " " + number_text(p.z) + "\n";
+  };
+  for (const glm::uvec3 &face : surface.face) {
+    const glm::dvec3 &a = surface.vertex[face.x], &b = surface.vertex[face.y], &c = surface.vertex[face.z];
+    const glm::dvec3 across = glm::cross(b - a, c - a);
+    const double length = glm::length(across);
+    add("facet normal ", glm::dvec3(length > 0.0 ? glm::vec3(across / length) : glm::vec3(0.0f)));
+    text += "outer loop\n";
+    for (const glm::dvec3 &corner : {a, b, c})
+      add("vertex ", corner);
+    text += "endloop\nendfacet\n";
+  }
+  file.write(text + "endsolid ConCeG\n");
+}
+
 void export_stl(Job &job) {
   if (job.options.form == Form::extracellular) return write_extracellular(job, "stl");
   for (const Cell &cell : job.cells) {

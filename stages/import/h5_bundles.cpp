@@ -51,6 +51,24 @@ std::vector<std::string> numbered(hid_t group, const std::string &path, const st
   return sorted;
 }
 
+// What HDF5 takes memory for by the word of the file alone: an element while it is converted, a whole chunk.
+void check_storage(hid_t data, hid_t file, const std::string &where) {
+  const Id type(H5Dget_type(data), H5Tclose), list(H5Dget_create_plist(data), H5Pclose);
+  const H5T_class_t kind = type < 0 ? H5T_NO_CLASS : H5Tget_class(type);
+  const std::size_t size = type < 0 ? 0 : H5Tget_size(type);
+  if ((kind != H5T_FLOAT && kind != H5T_INTEGER) || size > 16)
+    fail(CONCEG_E_FORMAT, "%s: expected numbers of at most 16 bytes", where.c_str());
+  hsize_t chunk[2] = {0, 0}, length = 0;
+  if (list < 0 || H5Fget_filesize(file, &length) < 0)
+    fail(CONCEG_E_FORMAT, "%s: cannot be looked at", where.c_str());
+  if (H5Pget_layout(list) == H5D_CHUNKED && H5Pget_chunk(list, 2, chunk) == 2 &&
+      static_cast<double>(chunk[0]) * static_cast<double>(chunk[1]) * static_cast<double>(size) >
+          256.0 * static_cast<double>(length) + 1048576.0)
+    fail(CONCEG_E_FORMAT, "%s: expected chunks that fit a file of %llu bytes, got %llu x %llu values",
+         where.c_str(), static_cast<unsigned long long>(length), static_cast<unsigned long long>(chunk[0]),
+         static_cast<unsigned long long>(chunk[1]));
+}
+
 } // namespace
 
 std::vector<BundleFibre> read_h5_bundles(const std::string &path, std::uint64_t memory) {
@@ -72,6 +90,7 @@ std::vector<BundleFibre> read_h5_bundles(const std::string &path, std::uint64_t 
           H5Sget_simple_extent_dims(space, shape, nullptr) != 2 || shape[1] != 4 || shape[0] < 2)
         fail(CONCEG_E_FORMAT, "%s: /%s/%s: expected at least two rows of x y z r", path.c_str(),
              bundle.c_str(), name.c_str());
+      check_storage(data, file, path + ": /" + bundle + "/" + name);
       bytes += 32.0 * static_cast<double>(shape[0]);
       if (bytes > static_cast<double>(memory))
         fail(CONCEG_E_NOMEM, "%s: larger than the memory that may be used; raise --memory", path.c_str());

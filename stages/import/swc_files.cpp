@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "swc_files.hpp"
 
+#include "parallel.hpp"
+
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 
 namespace conceg::importing {
@@ -33,20 +36,36 @@ void log_problems(conceg_ctx *ctx, SwcFile &file) {
 } // namespace
 
 std::vector<SwcFile> read_files(conceg_ctx *ctx, const std::vector<std::string> &paths, std::uint32_t flags) {
-  std::vector<SwcFile> files;
-  for (std::size_t i = 0; i < paths.size(); i++) {
-    must(conceg_ctx_progress(ctx, "reading SWC files", i, paths.size()));
-    SwcFile file;
-    file.path = paths[i];
+  std::vector<SwcFile> files(paths.size());
+  const auto read = [&](std::size_t i) {
     conceg_swc *raw = nullptr;
-    const conceg_status status = conceg_swc_read(ctx, file.path.c_str(), flags, &raw);
-    file.swc.reset(raw);
+    files[i].path = paths[i];
+    const conceg_status status = conceg_swc_read(ctx, paths[i].c_str(), flags, &raw);
+    files[i].swc.reset(raw);
     must(status);
-    log_problems(ctx, file);
-    file.blocks = swcdoc::read_blocks(raw, file.path);
-    files.push_back(std::move(file));
+    files[i].blocks = swcdoc::read_blocks(raw, files[i].path);
+  };
+  // Of several bad files the first is named, whichever was seen first: those before it are all read, and it
+  // is read once more at the end.
+  std::atomic<std::size_t> first_bad{paths.size()}, done{0};
+  Workers workers(conceg_ctx_threads(ctx));
+  workers.loop(paths.size(), 1, [&](std::size_t i, unsigned) {
+    if (i >= first_bad) return;
+    try {
+      read(i);
+      must(conceg_ctx_progress(ctx, "reading SWC files", ++done, paths.size()));
+    } catch (const Error &) {
+      for (std::size_t before = first_bad; i < before && !first_bad.compare_exchange_weak(before, i);) {
+      }
+    }
+  });
+  for (std::size_t i = 0; i < paths.size(); i++) {
+    if (i == first_bad || !files[i].swc) {
+      must(conceg_ctx_progress(ctx, "reading SWC files", i, paths.size()));
+      read(i);
+    }
+    log_problems(ctx, files[i]);
   }
-  must(conceg_ctx_progress(ctx, "reading SWC files", paths.size(), paths.size()));
   return files;
 }
 

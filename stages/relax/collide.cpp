@@ -2,6 +2,7 @@
 #include "collide.hpp"
 
 #include "handover.hpp"
+#include "sort.hpp"
 
 #include <embree3/rtcore.h>
 
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <string>
@@ -205,7 +207,7 @@ void keep_candidates(void *user, RTCCollision *collisions, unsigned count) {
 // Candidates of two scenes, sorted, each unordered pair of placed chunks once.
 template <class Keep>
 std::vector<Candidate> collide_scenes(RTCDevice device, const Scene &first, const Scene &second,
-                                      tbb::task_arena &arena, Keep keep) {
+                                      tbb::task_arena &arena, Workers &workers, Keep keep) {
   Buffers buffers;
   buffers.threads.give();
   arena.execute([&] { rtcCollide(first.get(), second.get(), keep_candidates, &buffers); });
@@ -214,7 +216,7 @@ std::vector<Candidate> collide_scenes(RTCDevice device, const Scene &first, cons
   std::vector<Candidate> all;
   for (const std::vector<Candidate> &buffer : buffers.lists)
     std::copy_if(buffer.begin(), buffer.end(), std::back_inserter(all), keep);
-  std::sort(all.begin(), all.end());
+  sort(all, std::less<>(), workers);
   all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
 }
@@ -354,15 +356,17 @@ ChunkSearch Collider::find_chunks(const Bodies &bodies, const std::vector<double
   {
     const Scene core_scene(device, core_primitives);
     // Embree reports each pair of one scene twice.
-    inside = collide_scenes(device, core_scene, core_scene, device_->arena, [&](const Candidate &c) {
+    inside = collide_scenes(device, core_scene, core_scene, device_->arena, workers, [&](const Candidate &c) {
       return c.first < c.second && overlap(core[c.first].bounds, core[c.second].bounds);
     });
     if (!ghosts.empty()) {
       const Scene ghost_scene(device, ghost_primitives);
       // (i, image of j) is also found as (j, image of i).
-      across = collide_scenes(device, core_scene, ghost_scene, device_->arena, [&](const Candidate &c) {
-        return c.first <= ghosts[c.second].chunk && overlap(core[c.first].bounds, ghosts[c.second].bounds);
-      });
+      across =
+          collide_scenes(device, core_scene, ghost_scene, device_->arena, workers, [&](const Candidate &c) {
+            return c.first <= ghosts[c.second].chunk &&
+                   overlap(core[c.first].bounds, ghosts[c.second].bounds);
+          });
     }
   }
   search.candidates = inside.size() + across.size();
@@ -395,7 +399,7 @@ Search Collider::find(const Bodies &bodies, const std::vector<double> &radius, c
   }
   for (const std::vector<Pair> &list : found)
     search.pairs.insert(search.pairs.end(), list.begin(), list.end());
-  std::sort(search.pairs.begin(), search.pairs.end(), pair_before);
+  sort(search.pairs, pair_before, workers);
   return search;
 }
 

@@ -13,6 +13,7 @@ struct Strength {
   double attraction_range = 0.2; // um beyond `gap`
   double stretch = 0.5;          // share of a change of length that one iteration takes back
   double bending = 0.02;         // share of a change of bend that one iteration takes back
+  double forking = 0.25;         // share of a change of the distance between two sisters that one takes back
   double tension = 0.1;          // share of a section's change of length that enters its rest lengths
   double straightening = 0.01;   // share of what a section's ends are too near that enters the pull on them
 };

@@ -27,7 +27,7 @@ struct Fractions {
   double united = 0;  // inside some body
   double several = 0; // inside bodies of two cells or images
   double planes =
-      0; // inside after bodies in contact are cut at their contact planes, `gap` apart: equation (5)
+      0; // inside after bodies in contact are cut at their contact planes, `gap` apart: equation (7)
 };
 // `gap` at most the reach of the sample. The same for any number of threads.
 Fractions fractions_of(const Bodies &bodies, const std::vector<double> &radius, const glm::dvec3 &side,

@@ -3,6 +3,7 @@
 // again and again, as hard spheres are jammed by swelling them.
 #pragma once
 
+#include "part.hpp"
 #include "relax.hpp"
 #include "separate.hpp"
 
@@ -14,10 +15,16 @@ struct Rounds {
   double most = 1;        // of the target radius: no body swells beyond
 };
 
-// Moves `bodies` and returns their radii: every pair keeps strength.gap, or has nothing left to give (as in
-// cut_radii). bodies.radius are the targets, before and after. `cut` is of the last round.
-std::vector<double> pack(Bodies &bodies, const Sections &sections, const conceg_box &box,
-                         const Strength &strength, const Motion &motion, const Rounds &rounds,
-                         Collider &collider, Workers &workers, const Progress &progress, Cut &cut);
+struct Packed {
+  std::vector<double> radius;
+  Cut cut;       // of the last round
+  Parted parted; // before the last cut
+};
+
+// Moves `bodies` and gives them radii: every pair keeps strength.gap, or has nothing left to give (as in
+// cut_radii). bodies.radius are the targets, before and after.
+Packed pack(Bodies &bodies, const Sections &sections, const conceg_box &box, const Strength &strength,
+            const Motion &motion, const Rounds &rounds, Collider &collider, Workers &workers,
+            const Progress &progress);
 
 } // namespace conceg::relax

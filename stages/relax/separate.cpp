@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace conceg::relax {
@@ -79,23 +80,45 @@ bool ask(const Bodies &bodies, const Pair &pair, const glm::dvec3 &side, double 
 }
 
 // Gives back radius where every pair of a point has room: each body takes at most half of the room of each of
-// its pairs.
+// its pairs. Room only shrinks, so a point that got nothing gets nothing later: pairs of points that are
+// done, and pairs whose radii stayed, are not measured again.
 void grow_back(const Bodies &bodies, const std::vector<Pair> &pairs, const Incidence &incidence,
                const glm::dvec3 &side, double gap, const std::vector<double> &most,
                std::vector<double> &radius, Workers &workers) {
+  constexpr std::int8_t never = -2;
   std::vector<double> room(pairs.size());
-  for (int sweep = 0; sweep < grow_sweeps; sweep++) {
-    workers.loop(pairs.size(), 512, [&](std::size_t k, unsigned) {
+  std::vector<std::uint8_t> wants(bodies.radius.size(), 0);
+  std::vector<std::int8_t> grew_in(bodies.radius.size(), never); // the last sweep that gave to a radius
+  std::vector<std::uint32_t> wanting, live(pairs.size());
+  for (std::uint32_t i = 0; i < bodies.points; i++)
+    if (radius[i] < most[i]) wants[i] = 1, wanting.push_back(i);
+  std::iota(live.begin(), live.end(), 0u);
+  const auto any = [&](std::uint32_t k, const auto &holds) {
+    const std::array<std::uint32_t, 4> r = radii_of(bodies, pairs[k]);
+    return holds(r[0]) || holds(r[1]) || holds(r[2]) || holds(r[3]);
+  };
+  for (std::int8_t sweep = 0; sweep < grow_sweeps && !wanting.empty(); sweep++) {
+    live.erase(std::remove_if(
+                   live.begin(), live.end(),
+                   [&](std::uint32_t k) { return !any(k, [&](std::uint32_t r) { return wants[r] != 0; }); }),
+               live.end());
+    workers.loop(live.size(), 512, [&](std::size_t n, unsigned) {
+      const std::uint32_t k = live[n];
+      if (sweep > 0 && !any(k, [&](std::uint32_t r) { return grew_in[r] == sweep - 1; })) return;
       RoundCone first, second;
       cones_of(bodies, pairs[k], radius, side, first, second);
       room[k] = std::max(0.0, 0.5 * (closest_cones(first, second).gap - gap - tolerance));
     });
-    workers.loop(bodies.points, 512, [&](std::size_t i, unsigned) {
+    workers.loop(wanting.size(), 512, [&](std::size_t w, unsigned) {
+      const std::uint32_t i = wanting[w];
       double more = most[i] - radius[i];
       for (std::uint64_t n = incidence.offset[i]; n < incidence.offset[i + 1] && more > 0; n++)
         more = std::min(more, room[incidence.place[n] / 4]);
-      if (more > 0) radius[i] += more;
+      wants[i] = more > 0;
+      if (more > 0) radius[i] += more, grew_in[i] = sweep, wants[i] = radius[i] < most[i];
     });
+    wanting.erase(std::remove_if(wanting.begin(), wanting.end(), [&](std::uint32_t i) { return !wants[i]; }),
+                  wanting.end());
   }
 }
 

@@ -60,6 +60,7 @@ Strength strength_of(const conceg_params *params) {
   strength.attraction_range = conceg_params_f64(params, "attraction_range_um");
   strength.stretch = conceg_params_f64(params, "stretch");
   strength.bending = conceg_params_f64(params, "bending");
+  strength.forking = conceg_params_f64(params, "forking");
   strength.tension = conceg_params_f64(params, "tension");
   strength.straightening = conceg_params_f64(params, "straightening");
   return strength;
@@ -108,6 +109,13 @@ void log_shape(conceg_ctx *ctx, const ShapeChange &c) {
                  100 * c.length_within, c.sections, c.mean_length_ratio, 100 * c.worst_length_change,
                  c.straightness_before, c.straightness_after, degrees * c.mean_angle_before,
                  degrees * c.mean_angle_after, 100 * c.angle_within, c.forks);
+}
+
+void log_parted(conceg_ctx *ctx, const Parted &p, double gap) {
+  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                 "parted: %llu pairs were nearer than %.3f um at the least radii, by %.4f um at most; pushed "
+                 "aside by up to %.3f um %llu are, by %.4f um at most",
+                 count(p.before), gap, p.deepest_before, p.largest_move, count(p.after), p.deepest_after);
 }
 
 // Widens `radius` until the cells fill `asked` of the box behind their contact planes, and says how far it
@@ -192,12 +200,12 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
   if (!table.empty()) write_table(table, trace);
   if (!pictures.empty()) write_figure(pictures, trace);
   phases.end("move");
-  const std::vector<Pair> at_end = close_pairs(target, strength.gap);
-  log_certificate(ctx, CONCEG_LOG_INFO, "moved, at target radii",
-                  certify(bodies, at_end, sides, strength.gap, target, workers));
-  Cut cut;
-  std::vector<double> radius =
-      pack(bodies, sections, box, strength, motion, rounds_of(params), collider, workers, progress, cut);
+  if (!moved.states.empty()) log_state(ctx, CONCEG_LOG_INFO, motion.iterations, moved.states.back());
+  const Packed packed =
+      pack(bodies, sections, box, strength, motion, rounds_of(params), collider, workers, progress);
+  std::vector<double> radius = packed.radius;
+  const Cut &cut = packed.cut;
+  log_parted(ctx, packed.parted, strength.gap);
   log_shape(ctx, compare_shapes(shape, measure_shape(bodies, sections, workers)));
   const Fractions strict = fractions(radius);
   phases.end("cut and pack");
@@ -289,6 +297,11 @@ const conceg_param parameters[] = {
      CONCEG_PARAM_F64, 0, 0, 0.8},
     {"bending", "1", "share of a change of bend that one step takes back", "0.02", nullptr, CONCEG_PARAM_F64,
      0, 0, 0.5},
+    {"forking", "1",
+     "share of a change of the distance between the first points of a fork's two daughters that one step "
+     "takes "
+     "back",
+     "0.25", nullptr, CONCEG_PARAM_F64, 0, 0, 0.5},
     {"tension", "1", "share of a section's change of length that one step adds to what its segments want",
      "0.1", nullptr, CONCEG_PARAM_F64, 0, 0, 1},
     {"straightening", "1",

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * Seeds of the document target: small documents, each a step richer, in the canonical form and in the oldest
- * form of HDF5, whose metadata has no checksums, so that damage gets past the door.  make_seeds FOLDER */
+ * form of HDF5, whose metadata has no checksums, so that damage gets past the door; and of the bundles target.
+ * make_seeds FOLDER FOLDER-OF-BUNDLES */
 #include "../unit/sample.h"
+#include "bundles_sample.h"
 
 #include <hdf5.h>
 
@@ -53,7 +55,12 @@ static void save(conceg_doc *doc, const char *folder, const char *name) {
 int main(int argc, char **argv) {
   conceg_ctx *ctx = sample_ctx();
   conceg_doc *doc = NULL;
-  if (argc != 2) return 2;
+  char path[512];
+  if (argc != 3) return 2;
+  for (int packed = 0; packed < 2; packed++) {
+    snprintf(path, sizeof path, "%s/%s.h5", argv[2], packed ? "packed" : "old");
+    bundles_save(path, packed);
+  }
   CHECK_EQUAL(conceg_doc_new(ctx, &doc), CONCEG_OK);
   save(doc, argv[1], "empty");
   sample_domain(doc, ctx);

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Files of other programs, by the programs alone: malformed ones are refused with file and line, one asymmetric point of each format
 stands where it should, what goes round comes back, and a bundle of strands becomes disjoint meshes.  files.py BIN"""
+import csv
 import json
 import pathlib
 import re
@@ -9,8 +10,10 @@ import subprocess
 import sys
 import tempfile
 
+import checked_by
+
 bin_folder = pathlib.Path(sys.argv[1]).resolve()
-failures, checks = [], 0
+failures, checks, went_round = [], 0, set()
 
 
 def run(word, *words):
@@ -123,6 +126,7 @@ def frames_and_rounds(work):
     must("import", "cactus", work / "s.txt", "-o", work / "s.cgx")
     expect(run("validate", work / "s.cgx", "-q").returncode == 0, "an imported strand list is valid")
     expect(rows(cactus_of(work / "s.cgx", work)) == rows(strand), "strand list -> document -> strand list")
+    went_round.add("cactus")
     must("export", work / "s.cgx", "--to", "caterpillar", "--dir", work / "cat", "-q")
     table = (work / "cat/caterpillar/voxel.csv").read_text().splitlines()
     expect(table[0] + "\n" == b_head and table[1] == "axon 0 axon 0 3 4 6 0.5 0.5", f"the first sphere of a table: {table[:2]}")
@@ -173,6 +177,7 @@ def frames_and_rounds(work):
     must("export", work / "n.cgx", "--to", "network", "--dir", work / "net", "-q")
     expect((work / "net/network/nodes.txt").read_text() == nodes, "nodes go round")
     expect(sorted((work / "net/network/edges.txt").read_text().splitlines()[1:]) == sorted(["0 1 0 0 0", "0 1 -1 0 0", "0 0 0 0 1"]), "edges go round, each once")
+    went_round.add("network")
 
     (work / "two.swc").write_text("1 2 0 0 0 1 -1\n2 2 5 0 0 1 1\n3 2 0 9 0 1 -1\n4 2 5 9 0 1 3\n")
     for roots, count in (("one", 1), ("cells", 2)):
@@ -210,6 +215,52 @@ def bundle(work):
         expect((work / "all" / form / "manifest.json").exists(), f"{form}: a manifest")
 
 
+def many(work):
+    """Files read by several threads: of two bad ones the first is named, and the document is the same for any number."""
+    for bad in ((23, 7), ()):
+        for k in range(40):
+            (work / f"c{k:02d}.swc").write_text(f"1 2 {k} 0 0 1 -1\n2 2 {k} 5 0 {'nan' if k in bad else 1} 1\n" + "".join(f"{j} 2 {k} {j} {j} 1 {j - 1}\n" for j in range(3, 400)))
+        seen = set()
+        for threads in (1, 2, 8):
+            done = run("import", "swc", work, "--threads", threads, "-q", "-o", work / "m.cgx")
+            expect(done.returncode == (3 if bad else 0) and (not bad or "c07.swc:2: E_NONFINITE" in done.stderr), f"{threads} threads: exit {done.returncode}: {done.stderr[-300:]}")
+            seen.add((done.stderr, b"" if bad else (work / "m.cgx").read_bytes()))
+        expect(len(seen) == 1, f"the same for any number of threads, bad {bad}")
+
+
+def accepted(work):
+    """What each format becomes goes through relax, mesh, simulate and analyse; surfaces through the last two."""
+    line = [(-4, 1, -2), (-1, 1.5, -2), (2, 1, -2.5), (5, 1, -2)]
+    (work / "s.init").write_text("20\n2\n4\n" + "".join("%g %g %g 0.8\n" % p for p in line) + "4\n" + "".join("%g %g %g 0.8\n" % (x, y + 1, z) for x, y, z in line))
+    (work / "v.csv").write_text(b_head + "".join(f"axon 0 axon 0 {x + 10:g} {y + 10:g} {z + 10:g} 0.6 0.8\n" for x, y, z in line) + "glial_cell 0 soma 0 9 4 9 1.5 1.5\n"
+                                + "".join(f"glial_cell 0 branch 1 {9 + 0.5 * k:g} 4 9 0.5 0.5\n" for k in range(3, 8)))
+    (work / "v_growth_info.txt").write_text("Voxel Size 20\n")
+    (work / "strand_00-r0.000800.txt").write_text("".join("%.17g %.17g %.17g\n" % tuple(v / 1000 for v in p) for p in line))
+    (work / "f.dat").write_text("".join("%g %g %g 0.8\n" % p for p in line))
+    (work / "w.json").write_text(json.dumps({"voxelSize": 20, "axons": [{"gRatio": 0.7, "ellipsoids": [
+        {"position": p, "shape": [1, 0, 0, 0, 1, 0, 0, 0, 1], "myelinDiameter": 1.6, "axonDiameter": 1.1} for p in line]}]}))
+    (work / "c.swc").write_text("1 1 5 5 5 2 -1\n2 3 7.5 5 5 0.6 1\n3 3 9.5 5.5 5 0.5 2\n4 3 12.5 6 5 0.5 3\n5 3 9.5 9 5 0.5 3\n")
+    files = {"cactus": "s.init", "caterpillar": "v.csv", "nfg": "strand_00-r0.000800.txt", "fastpli": "f.dat", "wmg": "w.json", "swc": "c.swc"}
+    for form, name in files.items():
+        must("import", form, work / name, "-q", "-o", work / "a.cgx")
+        must("relax", work / "a.cgx", "-q", "-o", work / "b.cgx")
+        must("mesh", work / "b.cgx", "--h-um", "0.4", "-q", "-o", work / f"{form}.cgx")
+        finished(work, form)
+    must("export", work / "cactus.cgx", "--to", "ply", "--dir", work, "-q")
+    must("import", "ply", work / "ply", "--box-um", "20", "-q", "-o", work / "ply.cgx")
+    finished(work, "ply")
+
+
+def finished(work, form):
+    """A signal that falls with b, and tables."""
+    must("simulate", work / f"{form}.cgx", "--compartment", "intra", "--walkers", "200", "--delta-ms", "1", "--separation-ms", "3", "--b", "0,3", "--directions", "3", "--csv", work / form, "-q", "-o", work / "s.cgx")
+    with open(work / form / "signals.csv") as file:
+        signal = [float(row["signal"]) for row in csv.DictReader(line for line in file if not line.startswith("#")) if row["compartment"] == "intra"]
+    expect(len(signal) == 4 and signal[0] == 1 and all(0 < s < 0.999 for s in signal[1:]), f"{form}: a signal: {signal}")
+    must("analyse", work / "s.cgx", "-q", "-o", work / "t.cgx")
+    expect("/statistics" in must("info", work / "t.cgx").stdout and run("validate", work / "t.cgx", "-q").returncode == 0, f"{form}: valid after analyse")
+
+
 def lists(work):
     """The tables of spec/interop.md name what the programs take."""
     text = (pathlib.Path(__file__).resolve().parents[2] / "spec/interop.md").read_text()
@@ -222,13 +273,17 @@ def lists(work):
 
 
 with tempfile.TemporaryDirectory() as folder:
-    for part in (lists, refusals, frames_and_rounds, bundle):
+    for part in (lists, refusals, frames_and_rounds, bundle, accepted, many):
         work = pathlib.Path(folder) / part.__name__
         work.mkdir()
         try:
             part(work)
         except (OSError, KeyError) as problem:
             failures.append(f"{part.__name__}: {problem}")
+said = {form for form, who in checked_by.named(checked_by.WRITTEN, "interop.files").items() if "our importer" in who}
+expect(said == went_round, f"checked_by.py says that our importer takes {sorted(said)}, here {sorted(went_round)}")
+said = set(checked_by.named(checked_by.READ, "interop.files"))
+expect(said == set(malformed), f"checked_by.py says that samples are read of {sorted(said)}, here {sorted(malformed)}")
 for line in failures:
     print("FAILED:", line)
 print(f"files of other programs: {sum(map(len, malformed.values())) + 14} malformed files, {checks} checks, {len(failures)} failures")

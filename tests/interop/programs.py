@@ -4,10 +4,13 @@
 lists and we read its.  programs.py BIN
 
 CONCEG_MCDC     the program MC-DC_Simulator (6d043d6)
-CONCEG_CACTUS   a checkout of CACTUS (ee81f86); its own Python reads and writes the lists (needs NumPy)
+CONCEG_CACTUS   a checkout of CACTUS (ee81f86); its own Python reads and writes the lists (needs NumPy), and its quick-mesh makes tubes of them where
+                CONCEG_CACTUS_PYTHON, else this Python, has openmesh and what else it imports
+CONCEG_TETGEN   the program tetgen (1.5.0), which SpinDoctor calls
 """
 import csv
 import importlib.util
+import json
 import math
 import os
 import pathlib
@@ -99,11 +102,58 @@ def cactus(checkout, work):
     run("export", work / "theirs.cgx", "--to", "cactus", "--dir", work / "again")
     expect((work / "again/cactus/strands.txt").read_bytes() == (work / "cactus/strands.txt").read_bytes(), "their list gives our list again")
     print(f"CACTUS: {len(found)} strands read by its Python, written by it, and read by us: the same")
+    quick_mesh(checkout, work)
 
 
-programs = [(name, os.environ.get(f"CONCEG_{name.upper()}"), check) for name, check in (("mcdc", mcdc), ("cactus", cactus))]
+def quick_mesh(checkout, work):
+    """Its mesher takes strands of our cells, at all their images in the voxel: eight points for each of theirs, capped tubes."""
+    python = os.environ.get("CONCEG_CACTUS_PYTHON", sys.executable)
+    script = ("import argparse, sys; sys.path.insert(0, sys.argv[1]); from cactus1_substrate.tools import quick_mesh as q; "
+              "q.main(argparse.Namespace(file=sys.argv[2], file_out=sys.argv[3], g_ratio=1.0, strand_id=None, decimate=0.0))")
+    recipe = pathlib.Path(__file__).resolve().parent.parent / "pipe/small.yaml"
+    subprocess.run([bin_folder / "conceg", "run", recipe, "--until", "grow", "-q", "-o", work / "cells.cgx"], check=True)
+    run("export", work / "cells.cgx", "--to", "cactus", "--dir", work)
+    words = (work / "cactus/strands.txt").read_text().splitlines()
+    points = [int(line) for line in words[2:] if len(line.split()) == 1]
+    done = subprocess.run([python, "-c", script, pathlib.Path(checkout) / "src", work / "cactus/strands.txt", work / "tubes.ply"], capture_output=True, text=True, env={**os.environ, "MPLBACKEND": "Agg"})
+    if "ModuleNotFoundError" in done.stderr:
+        return print(f"CACTUS: quick-mesh was not tried: {done.stderr.strip().splitlines()[-1]}")
+    expect(done.returncode == 0 and (work / "tubes.ply").exists(), f"quick-mesh: exit {done.returncode}: {done.stderr[-300:]}")
+    head = {line.split()[1]: int(line.split()[2]) for line in (work / "tubes.ply").read_text().splitlines()[:12] if line.startswith("element")}
+    expect(len(points) == int(words[1]) > 6 and head["vertex"] == 8 * sum(points) and head["face"] == sum(16 * n - 4 for n in points), f"quick-mesh: {head} of {len(points)} strands with {sum(points)} points")
+    print(f"CACTUS: quick-mesh made {head['face']} faces of {len(points)} strands")
+
+
+def tetgen(program, work):
+    """Both forms of each surface are filled with tetrahedra, as SpinDoctor calls the program; the region's mark is on all of them, their volume is the cell's."""
+    run("export", work / "bundle.cgx", "--to", "spindoctor", "--dir", work)
+    cells = json.loads((work / "spindoctor/manifest.json").read_text())["cells"]
+    for cell in cells:
+        stem = next(name for name in cell["files"] if name.endswith(".poly"))[:-5]
+        for ending in ("poly", "stl"):
+            done = subprocess.run([program, "-pqA", f"{stem}.{ending}"], cwd=work / "spindoctor", capture_output=True, text=True)
+            results = [work / f"spindoctor/{stem}.1.{part}" for part in ("node", "ele")]
+            expect(done.returncode == 0 and all(path.exists() for path in results), f"TetGen, {stem}.{ending}: exit {done.returncode}: {done.stdout[-300:]}")
+            if not all(path.exists() for path in results):
+                continue
+            nodes, elements = ([[float(word) for word in line.split()] for line in path.read_text().splitlines()[1:] if not line.startswith("#")] for path in results)
+            place = {int(row[0]): row[1:4] for row in nodes}
+            volume = sum(abs(determinant(*(place[int(corner)] for corner in row[1:5]))) / 6 for row in elements)
+            expect(abs(volume / cell["volume_um3"] - 1) < 1e-5, f"TetGen, {stem}.{ending}: {volume} of {cell['volume_um3']} um3")
+            expect(ending == "stl" or all(row[5] == 1 for row in elements), f"TetGen, {stem}: tetrahedra outside of region 1")
+            for path in results:
+                path.unlink()
+    print(f"TetGen: {len(cells)} cells as .poly and .stl, filled to their volume")
+
+
+def determinant(a, b, c, d):
+    (x, y, z), (p, q, r), (s, t, u) = ([e - f for e, f in zip(corner, a)] for corner in (b, c, d))
+    return x * (q * u - r * t) - y * (p * u - r * s) + z * (p * t - q * s)
+
+
+programs = [(name, os.environ.get(f"CONCEG_{name.upper()}"), check) for name, check in (("mcdc", mcdc), ("cactus", cactus), ("tetgen", tetgen))]
 if not any(path for _, path, _ in programs):
-    print("SKIPPED: neither CONCEG_MCDC (a program) nor CONCEG_CACTUS (a checkout) is set: the real programs were not tried")
+    print("SKIPPED: none of CONCEG_MCDC (a program), CONCEG_CACTUS (a checkout) and CONCEG_TETGEN (a program) is set: the real programs were not tried")
     sys.exit(77)
 for name, path, check in programs:
     with tempfile.TemporaryDirectory() as folder:

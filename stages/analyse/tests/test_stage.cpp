@@ -134,6 +134,78 @@ void volumes_are_read_where_they_suffice() {
   CHECK(wrong.error.find("/volumes/label[0]") != std::string::npos);
 }
 
+void experiments() {
+  const Run missing = run(2, true, false, nothing, "analyse.composition=true");
+  CHECK_EQUAL(missing.status, CONCEG_E_MISSING);
+  CHECK(missing.error.find("mesh.volume_step_um") != std::string::npos);
+  const auto put_volume = [](conceg_doc *doc) { // one cell fills the box: its exponent is 3
+    const double origin[3] = {0.625, 0.625, 0.625}, spacing[3] = {1.25, 1.25, 1.25};
+    const std::uint64_t shape[3] = {16, 16, 16};
+    put(doc, "/volumes@origin", origin, 3);
+    put(doc, "/volumes@spacing", spacing, 3);
+    put(doc, "/volumes@shape", shape, 3);
+    std::vector<std::int32_t> leaves;
+    for (const std::int32_t x : {0, 8})
+      for (const std::int32_t y : {0, 8})
+        for (const std::int32_t z : {0, 8})
+          leaves.insert(leaves.end(), {x, y, z});
+    put(doc, "/volumes/leaf_origin", leaves, 3);
+    put(doc, "/volumes/label", std::vector<std::uint32_t>(8 * 512, 2), 512);
+  };
+  const Run solid = run(2, true, false, put_volume, "analyse.composition=true");
+  CHECK_EQUAL(solid.status, CONCEG_OK);
+  CHECK(solid.log.find("--- composition_fit") != std::string::npos);
+  CHECK(solid.log.find("void beyond 20 um") != std::string::npos);
+  CHECK(solid.log.find("voxels of 1.25 um") != std::string::npos); // coarser than the protocol's
+  CHECK(solid.bytes == run(3, true, false, put_volume, "analyse.composition=true").bytes);
+
+  CHECK_EQUAL(run(2, true, false, nothing, "analyse.transport=true").status, CONCEG_E_MISSING);
+  const auto put_slabs = [&](double median) { // half of the planes along x are open
+    return [=](conceg_doc *doc) {
+      put_volume(doc);
+      std::vector<std::uint32_t> label(8 * 512);
+      std::vector<float> distance(8 * 512);
+      for (std::size_t i = 0; i < label.size(); i++)
+        label[i] = i / 64 % 4 < 2, distance[i] = static_cast<float>(label[i] ? -median : median);
+      put(doc, "/volumes/label", label, 512);
+      put(doc, "/volumes/distance", distance, 512);
+    };
+  };
+  const Run coarse = run(2, true, false, put_slabs(1.2), "analyse.transport=true");
+  CHECK(coarse.log.find("transport: void: voxels of 1.25 um") != std::string::npos);
+  const Run slabs = run(2, true, false, put_slabs(1.3), "analyse.transport=true");
+  CHECK_EQUAL(slabs.status, CONCEG_OK);
+  CHECK(slabs.log.find("--- transport") != std::string::npos);
+  CHECK(slabs.log.find("1.2247") != std::string::npos); // sqrt(3 / 2): nothing goes across, two axes are free
+  CHECK_EQUAL(run(2, true, false, nothing, "analyse.pores=true").status, CONCEG_E_MISSING);
+  const Run pores = run(2, true, false, put_slabs(1.3), "analyse.pores=true");
+  CHECK_EQUAL(pores.status, CONCEG_OK);
+  CHECK(pores.log.find("thickness_radius") != std::string::npos);
+  CHECK(pores.bytes == run(3, true, false, put_slabs(1.3), "analyse.pores=true").bytes);
+
+  const Run none = run(2, true, false, nothing, "analyse.spectrum=true");
+  CHECK_EQUAL(none.status, CONCEG_OK);
+  CHECK(none.log.find("spectrum: void for class") != std::string::npos);
+  const auto put_path = [](conceg_doc *doc) {
+    std::vector<double> position;
+    std::vector<float> radius;
+    std::vector<std::int64_t> parent;
+    for (int i = 0; i <= 120; i++) {
+      position.insert(position.end(), {3.0 + i, 0, 0});
+      radius.push_back(i % 7 ? 0.5f : 0.8f), parent.push_back(i - 1);
+    }
+    put(doc, "/skeleton/position", position, 3);
+    put(doc, "/skeleton/radius", radius), put(doc, "/skeleton/parent", parent);
+    put(doc, "/skeleton/kind", std::vector<std::uint8_t>(radius.size(), 3));
+    put(doc, "/skeleton/cell_offset", std::vector<std::uint64_t>{0, 121, 121, 121});
+  };
+  const Run path = run(2, true, false, put_path, "analyse.spectrum=true");
+  CHECK_EQUAL(path.status, CONCEG_OK);
+  CHECK(path.log.find("--- spectrum_fit") != std::string::npos);
+  CHECK(path.bytes != run(2, true, false, put_path).bytes);
+  CHECK(path.bytes == run(3, true, false, put_path, "analyse.spectrum=true").bytes);
+}
+
 // Class axon without a soma is no cell of the box; class axon with one, and others without, are.
 void passing_axons_are_no_cells() {
   const Run axons = run(2, true, false, [](conceg_doc *doc) {
@@ -178,6 +250,7 @@ int main() {
   tables();
   without_meshes();
   volumes_are_read_where_they_suffice();
+  experiments();
   passing_axons_are_no_cells();
   disagreement_is_warned_about();
   planted_defects();

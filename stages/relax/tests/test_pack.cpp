@@ -57,11 +57,10 @@ double pack_lattice(double fraction, double push_um, int rounds, unsigned thread
   Strength strength;
   strength.gap = 0, strength.attraction = 0;
   move_bodies(bodies, sections, box, strength, Motion(), collider, workers, {});
-  Cut cut;
   Rounds asked;
   asked.count = rounds, asked.most = 1;
   const std::vector<double> radius =
-      pack(bodies, sections, box, strength, Motion(), asked, collider, workers, {}, cut);
+      pack(bodies, sections, box, strength, Motion(), asked, collider, workers, {}).radius;
   const Certificate end =
       certify(bodies, collider.find(bodies, radius, box, 0.1, workers).pairs, side(box), 0, radius, workers);
   CHECK(end.pairs > 100);

@@ -73,9 +73,10 @@ ShapeChange crowd(const Strength &strength) {
   move_bodies(bodies, sections, scene::box_of(14), strength, Motion(), collider, workers, {});
   const ShapeChange change = compare_shapes(before, measure_shape(bodies, sections, workers));
   printf("%zu sections: %.3f within 3 %% of their length, straightness %.4f -> %.4f, fork angle %.2f -> %.2f "
-         "degrees\n",
+         "degrees, %.2f of %zu forks within 3\n",
          change.sections, change.length_within, change.straightness_before, change.straightness_after,
-         change.mean_angle_before * 180 / pi, change.mean_angle_after * 180 / pi);
+         change.mean_angle_before * 180 / pi, change.mean_angle_after * 180 / pi, change.angle_within,
+         change.forks);
   return change;
 }
 
@@ -84,11 +85,14 @@ void crowded_cells_keep_their_shape() {
   CHECK(kept.sections > 90);
   CHECK(kept.length_within > 0.97);
   CHECK(kept.straightness_after > kept.straightness_before - 0.005);
+  CHECK(kept.forks > 30 && kept.angle_within > 0.5);
+  CHECK(std::abs(kept.mean_angle_after - kept.mean_angle_before) < 3 * pi / 180);
   Strength loose;
-  loose.tension = loose.straightening = 0;
+  loose.tension = loose.straightening = loose.forking = 0;
   const ShapeChange lost = crowd(loose);
   CHECK(lost.length_within < kept.length_within);
   CHECK(lost.straightness_after < kept.straightness_after);
+  CHECK(lost.angle_within < 0.5 * kept.angle_within);
 }
 
 } // namespace

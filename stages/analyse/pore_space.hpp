@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Sizes of the pores of a medium of voxels, by all five definitions in use. They differ by factors: compare a
+// figure with one of the same definition, the same number of dimensions and the same open fraction only.
+#pragma once
+
+#include "transport.hpp"
+
+#include <vector>
+
+namespace conceg::analyse {
+
+struct Distribution {
+  std::uint64_t count = 0;
+  double mean = 0, sd = 0, median = 0, p95 = 0; // um
+};
+
+struct PoreSpace {
+  Distribution centres; // radius at the maxima of the distance, those that stand out by half a voxel or more
+                        // (the paper)
+  Distribution voxels;  // radius at every open voxel
+  Distribution thickness; // per open voxel, radius of the largest ball in the pores that holds it
+  Distribution gaps;      // twice the radius on the medial surface
+  Distribution chords;    // lengths of the straight runs along the axes
+};
+
+// Radius of each voxel: distance to the nearest centre of a closed voxel less half a voxel, over all periodic
+// images; 0 in closed voxels. All voxels must be of about one size; one plane (a side of 1) is a section in
+// 2-D. In a medium without closed voxels all are 0.
+std::vector<float> pore_radii(const OpenVoxels &voxels, Workers &workers);
+
+// Over all of the given media, such as the sections of one.
+PoreSpace pore_space(const std::vector<OpenVoxels> &media, Workers &workers);
+
+// One plane of the medium across an axis, as a medium of its own.
+OpenVoxels section(const OpenVoxels &voxels, std::size_t axis, std::size_t at);
+
+} // namespace conceg::analyse
