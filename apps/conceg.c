@@ -20,6 +20,7 @@ static const struct word tools[] = {
     {"run", "a whole recipe in one process", tool_run},
     {"info", "what a document holds", tool_info},
     {"validate", "check a document against every rule of the format", tool_validate},
+    {"check", "whether a document can be believed: every integrity gate", tool_check},
     {"dump", "a document as text, in canonical order", tool_dump},
     {"diff", "compare two documents", tool_diff},
     {"strip", "a document without some of its groups", tool_strip},
@@ -30,6 +31,13 @@ static const struct word tools[] = {
     {NULL, NULL, NULL}};
 
 #define WORDS_MOST 64
+
+static const struct word *tool_of(const char *word) {
+  const struct word *tool;
+  for (tool = tools; tool->name; tool++)
+    if (!strcmp(tool->name, word)) return tool;
+  return NULL;
+}
 
 /* The page of the umbrella: stages in the order of the pipe, tools, help and version. */
 static int print_help(int argc, char **argv) {
@@ -46,7 +54,8 @@ static int print_help(int argc, char **argv) {
   struct cli cli;
   for (i = 0; conceg_pipeline_kind(i); i++)
     for (j = 0; conceg_builtins[j]; j++)
-      if (!strcmp(conceg_builtins[j]->kind, conceg_pipeline_kind(i)) && count < WORDS_MOST / 2)
+      if (!strcmp(conceg_builtins[j]->kind, conceg_pipeline_kind(i)) && !tool_of(conceg_pipeline_kind(i)) &&
+          count < WORDS_MOST / 2)
         words[count++] = (struct cli_word){conceg_builtins[j]->kind,
                                            conceg_builtins[j]->summary ? conceg_builtins[j]->summary : ""};
   for (tool = tools; tool->name && count < WORDS_MOST - 3; tool++)
@@ -104,11 +113,10 @@ static int is_stage_word(const char *word) {
 }
 
 static int run_word(const char *word, int argc, char **argv) {
-  const struct word *tool;
+  const struct word *tool = tool_of(word);
   char name[96];
   int code;
-  for (tool = tools; tool->name; tool++)
-    if (!strcmp(tool->name, word)) return tool->run(argc, argv);
+  if (tool) return tool->run(argc, argv);
   code = run_program(word, argv);
   if (code) return code;
   snprintf(name, sizeof name, "conceg %.80s", word);
@@ -120,10 +128,7 @@ static int run_word(const char *word, int argc, char **argv) {
 }
 
 static int is_word(const char *word) {
-  const struct word *tool;
-  for (tool = tools; tool->name; tool++)
-    if (!strcmp(tool->name, word)) return 1;
-  return is_stage_word(word);
+  return tool_of(word) || is_stage_word(word);
 }
 
 int main(int argc, char **argv) {

@@ -14,7 +14,7 @@ endforeach()
 
 set(docs ${CMAKE_BINARY_DIR}/docs)
 set(stage_programs)
-foreach(kind IN LISTS built)
+foreach(kind IN LISTS programs)
   list(APPEND stage_programs conceg-${kind})
 endforeach()
 add_custom_command(

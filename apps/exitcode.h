@@ -8,7 +8,7 @@
 /* Name, number, meaning: the one table for programs, pages and spec/cli.md. */
 #define CONCEG_EXIT_CODES(X)                                                                                 \
   X(EXIT_OK, 0, "done")                                                                                      \
-  X(EXIT_STAGE, 1, "a stage failed, or diff found differences")                                              \
+  X(EXIT_STAGE, 1, "a stage failed, diff found differences, or a gate of check failed")                      \
   X(EXIT_USAGE, 2, "wrong command line, recipe key or value")                                                \
   X(EXIT_INPUT, 3, "the input document, or the recipe's YAML, is invalid; a group is missing")               \
   X(EXIT_IO, 4, "input or output failed: no such file, disk full, closed pipe")                              \

@@ -6,6 +6,7 @@
 #include "pipeline.h"
 #include "tools.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -21,7 +22,7 @@ struct run {
   int has_input; /* 1 = the document came from a file: the recipe is then the later stages' own one */
 };
 
-/* ---- Checkpoints: DIR/<kind>.cgx after each stage ---- */
+/* ---- Checkpoints: DIR/NN-KIND.cgx after each stage, DIR/NN-KIND.part while one runs ---- */
 
 static const char *checkpoint_path(struct run *run, uint32_t index) {
   return cli_keep(&run->cli, "%s/%02u-%s.cgx", run->checkpoint, index + 1, run->kinds.word[index]);
@@ -32,6 +33,18 @@ static int save_checkpoint(struct run *run, uint32_t index) {
   if (!run->checkpoint) return EXIT_OK;
   status = conceg_doc_save(run->doc, checkpoint_path(run, index));
   return status == CONCEG_OK ? EXIT_OK : cli_fail_status(&run->cli, status);
+}
+
+/* What a stage keeps of its own unfinished work: DIR/NN-KIND.part. */
+static const char *part_path(struct run *run, uint32_t index) {
+  return cli_keep(&run->cli, "%s/%02u-%s.part", run->checkpoint, index + 1, run->kinds.word[index]);
+}
+
+/* A run from the beginning does not go on from what another one left. */
+static void drop_parts(struct run *run) {
+  uint32_t i;
+  for (i = 0; i < run->kinds.count; i++)
+    remove(part_path(run, i));
 }
 
 /* The recipe as the source stage writes it: what a checkpoint must carry. NULL after an error line. */
@@ -89,14 +102,63 @@ static int resume(struct run *run, uint32_t *next) {
 
 /* Parameters of a stage: the first one takes recipe and --set, the others find them in /recipe, as in a pipe.
  */
+static conceg_status make_params_with(struct run *run, const conceg_stage *stage, int is_first,
+                                      const char *const *sets, conceg_params **out) {
+  const int given = is_first || run->has_input;
+  return conceg_params_new(run->cli.ctx, stage, run->doc, given ? run->recipe : NULL, sets, NULL, out);
+}
+
 static conceg_status make_params(struct run *run, const conceg_stage *stage, int is_first,
                                  conceg_params **out) {
   const int given = is_first || run->has_input;
-  return conceg_params_new(run->cli.ctx, stage, run->doc, given ? run->recipe : NULL,
-                           given ? run->cli.sets.word : NULL, NULL, out);
+  return make_params_with(run, stage, is_first, given ? run->cli.sets.word : NULL, out);
 }
 
-static int run_builtin(struct run *run, const char *kind, const char *impl, int is_first) {
+/* 1 for a stage that can keep unfinished work in a file that its parameter `checkpoint` names. */
+static int keeps_parts(const conceg_stage *stage) {
+  const conceg_param *row;
+  for (row = stage->params; row && row->name; row++)
+    if (!strcmp(row->name, "checkpoint")) return row->type == CONCEG_PARAM_FILE;
+  return 0;
+}
+
+/* "mesh.checkpoint='DIR/05-mesh.part'", quoted for YAML. */
+static const char *part_set(struct run *run, const char *kind, uint32_t index) {
+  const char *path = part_path(run, index);
+  char *quoted = malloc(2 * strlen(path) + 1), *to = quoted;
+  const char *set;
+  if (!quoted) return NULL;
+  for (; *path; path++) {
+    if (*path == '\'') *to++ = '\'';
+    *to++ = *path;
+  }
+  *to = '\0';
+  set = cli_keep(&run->cli, "%s.checkpoint='%s'", kind, quoted);
+  free(quoted);
+  return set;
+}
+
+/* Parameters once more with `checkpoint` in the run's folder, where the recipe does not name a file itself.
+ */
+static conceg_status keep_parts(struct run *run, const conceg_stage *stage, uint32_t index, int is_first,
+                                conceg_params **params) {
+  struct words sets = {0};
+  const char *const *given = is_first || run->has_input ? run->cli.sets.word : NULL;
+  conceg_status status;
+  if (!run->checkpoint || !keeps_parts(stage) || conceg_params_given(*params, "checkpoint")) return CONCEG_OK;
+  const char *set = part_set(run, stage->kind, index);
+  if (!set) return conceg_ctx_fail(run->cli.ctx, CONCEG_E_NOMEM, "run: out of memory");
+  for (; given && *given; given++)
+    words_add(&sets, *given);
+  words_add(&sets, set);
+  conceg_params_free(*params);
+  *params = NULL;
+  status = make_params_with(run, stage, is_first, sets.word, params);
+  words_free(&sets);
+  return status;
+}
+
+static int run_builtin(struct run *run, const char *kind, const char *impl, uint32_t index, int is_first) {
   struct cli *cli = &run->cli;
   const conceg_stage *stage;
   conceg_params *params = NULL;
@@ -105,6 +167,7 @@ static int run_builtin(struct run *run, const char *kind, const char *impl, int 
   conceg_status status = conceg_registry_find(run->registry, kind, impl, &stage);
   if (status != CONCEG_OK) return cli_fail_stage_missing(cli, status);
   status = make_params(run, stage, is_first, &params);
+  if (status == CONCEG_OK) status = keep_parts(run, stage, index, is_first, &params);
   if (status == CONCEG_OK) status = contain_stage(cli, stage, run->doc, params);
   conceg_params_free(params);
   if (status != CONCEG_OK) return cli_fail_status(cli, status);
@@ -121,9 +184,10 @@ static int run_kind(struct run *run, uint32_t index, int is_first) {
     code = exec_stage(&run->cli, kind, command, given ? run->recipe : NULL, given ? run->cli.sets.word : NULL,
                       &run->doc);
   else
-    code = run_builtin(run, kind, impl, is_first);
+    code = run_builtin(run, kind, impl, index, is_first);
   if (code == EXIT_OK && signals_cancelled()) code = cli_fail(&run->cli, EXIT_CANCELLED, "cancelled");
   if (code == EXIT_OK) code = save_checkpoint(run, index);
+  if (code == EXIT_OK && run->checkpoint) remove(part_path(run, index));
   return code;
 }
 
@@ -175,6 +239,7 @@ static int run_stages(struct run *run) {
     code = cli_fail(cli, EXIT_IO, "%s: cannot make the folder of checkpoints", run->checkpoint);
   if (code == EXIT_OK && run->has_input) code = cli_open(cli, cli->words.word[1], &run->doc);
   if (code == EXIT_OK && run->resume) code = resume(run, &first);
+  if (code == EXIT_OK && run->checkpoint && !run->resume) drop_parts(run);
   if (code == EXIT_OK && !run->doc) {
     const conceg_status status = conceg_doc_new(cli->ctx, &run->doc);
     if (status != CONCEG_OK) code = cli_fail_status(cli, status);
@@ -221,7 +286,8 @@ int tool_run(int argc, char **argv) {
   const struct cli_option options[] = {
       {"from", 0, "STAGE", "begin with this stage, on the document INPUT.cgx", NULL, &run.from, NULL},
       {"until", 0, "STAGE", "end after this stage", NULL, &run.until, NULL},
-      {"checkpoint", 0, "DIR", "keep the document after each stage in DIR", NULL, &run.checkpoint, NULL},
+      {"checkpoint", 0, "DIR", "keep the document after each stage, and unfinished stages, in DIR", NULL,
+       &run.checkpoint, NULL},
       {"resume", 0, NULL, "go on after the newest checkpoint of the same recipe and build", &run.resume, NULL,
        NULL},
       {"print-pipe", 0, NULL, "print the same run as a shell pipe, and do nothing", &run.print_pipe, NULL,

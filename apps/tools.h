@@ -7,6 +7,7 @@
 int tool_run(int argc, char **argv);
 int tool_info(int argc, char **argv);
 int tool_validate(int argc, char **argv);
+int tool_check(int argc, char **argv);
 int tool_dump(int argc, char **argv);
 int tool_diff(int argc, char **argv);
 int tool_strip(int argc, char **argv);

@@ -272,6 +272,26 @@ static conceg_status check_faces(const conceg_substrate *s) {
   return CONCEG_OK;
 }
 
+/* Coarser levels stand behind the surfaces of level 0 and are not opened. */
+static conceg_status keep_finest(conceg_doc *doc, conceg_substrate *s) {
+  uint64_t finest = 0, k;
+  uint8_t *lod = NULL;
+  conceg_status status = CONCEG_OK;
+  COPY_INTO(lod, copy_or_null(doc, "/meshes/lod", CONCEG_U8, 1, s->meshes, &copy_));
+  for (k = 0; lod && k < s->meshes; k++) {
+    if (lod[k]) continue;
+    if (finest < k && status == CONCEG_OK)
+      status = conceg_ctx_fail(
+          s->ctx, CONCEG_E_FORMAT,
+          "/meshes/lod[%llu]: expected all surfaces of level 0 first, got one behind level %u",
+          (unsigned long long)k, lod[k - 1]);
+    finest++;
+  }
+  if (lod && status == CONCEG_OK) s->meshes = finest;
+  free(lod);
+  return status;
+}
+
 static conceg_status copy_meshes(conceg_doc *doc, conceg_substrate *s) {
   uint64_t vertices = 0, faces = 0;
   conceg_status status = CONCEG_OK;
@@ -299,6 +319,7 @@ static conceg_status copy_meshes(conceg_doc *doc, conceg_substrate *s) {
   THEN(check_finite(s->ctx, "/meshes/area", s->area, s->meshes, 1));
   THEN(check_finite(s->ctx, "/meshes/min_gap", s->min_gap, s->meshes, 1));
   THEN(check_faces(s));
+  THEN(keep_finest(doc, s));
   return status;
 }
 

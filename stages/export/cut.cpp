@@ -117,13 +117,13 @@ void cut_image(const conceg_box &box, const Surface &surface, const glm::dvec3 &
 
 } // namespace
 
-CutSurface cut_at_box(const conceg_box &box, const Surface &surface) {
+CutSurface cut_at_box(const conceg_box &box, const Surface &surface, bool open_sides) {
   TiledSurface tiled = tile(box, surface);
   CutSurface part;
   part.source_face = std::move(tiled.source_face);
   static_cast<Surface &>(part) = std::move(static_cast<Surface &>(tiled));
   for (int axis = 0; axis < 3; axis++) {
-    if (!box.periodic[axis]) continue;
+    if (!box.periodic[axis] && !open_sides) continue;
     part = PlaneCut(part, axis, box.lo[axis], 1.0).run();
     part = PlaneCut(part, axis, box.hi[axis], -1.0).run();
   }

@@ -9,7 +9,8 @@ namespace conceg::exporting {
 // The surface within the box, open where a periodic side cuts it: all its images, cut at the periodic sides.
 // New vertices lie exactly on a side, one for each edge that crosses it. Where vertices are multiples of
 // 2^-24 um, as meshes have them, the rims on opposite sides are images of each other bit for bit.
-CutSurface cut_at_box(const conceg_box &box, const Surface &surface);
+// With `open_sides` they are cut at the sides of open axes too.
+CutSurface cut_at_box(const conceg_box &box, const Surface &surface, bool open_sides = false);
 
 // The same, each piece closed by lids that lie in the sides. The surface must be closed.
 CutSurface capped_at_box(const conceg_box &box, const Surface &surface);

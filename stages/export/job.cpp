@@ -16,6 +16,10 @@ Written Job::about(const Cell &cell, std::string file, const char *what) const {
   return row;
 }
 
+CellSurface Job::surface_of(const Cell &cell) const {
+  return source.surface(cell.row, options.form, options.tiles);
+}
+
 Tree Job::tree_of(const Cell &cell) const {
   Tree tree = source.tree(cell.row);
   return options.wrapped ? split_at_box(tree, source.box()) : tree;

@@ -95,6 +95,13 @@ void write_manifest(Job &job, const Format &format, std::size_t first) {
                                           (box.periodic[1] ? "true" : "false") + ", " +
                                           (box.periodic[2] ? "true" : "false") + "]") +
                      ",\n";
+  const Tiles &tiles = job.options.tiles;
+  if (!tiles.one())
+    text += "  " +
+            pair("tiles", "[" + std::to_string(tiles.count[0]) + ", " + std::to_string(tiles.count[1]) +
+                              ", " + std::to_string(tiles.count[2]) + "]") +
+            ",\n";
+  if (job.options.level) text += "  " + pair("level", std::to_string(job.options.level)) + ",\n";
   if (!job.cells_are.empty()) text += "  " + pair("cells_are", quoted_json(job.cells_are)) + ",\n";
   const double feature = feature_radius(job);
   if (feature > 0.0) text += "  " + pair("feature_radius_um", number_text(feature)) + ",\n";

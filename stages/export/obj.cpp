@@ -26,7 +26,7 @@ static void write_joint(Job &job, const std::string &name,
   std::vector<NamedSurface> named;
   std::vector<std::string> names;
   for (const Cell &cell : job.cells) {
-    surfaces.push_back(job.source.surface(cell.row, job.options.form).surface);
+    surfaces.push_back(job.surface_of(cell).surface);
     names.push_back(name_of(cell));
   }
   Written row;
@@ -43,9 +43,11 @@ static void write_joint(Job &job, const std::string &name,
 }
 
 void export_obj(Job &job) {
+  if (job.options.form == Form::extracellular) return write_extracellular(job, "obj");
   write_joint(job, "obj/cells.obj", write_obj);
 }
 void export_gltf(Job &job) {
+  if (job.options.form == Form::extracellular) return write_extracellular(job, "gltf");
   write_joint(job, "gltf/cells.glb", write_glb);
 }
 

@@ -32,24 +32,54 @@ std::uint64_t placing_seed(conceg_doc *doc) {
 
 } // namespace
 
-Source::Source(conceg_doc *doc) : doc_(doc), box_(read_box(doc)) {
+Source::Source(conceg_doc *doc, int level) : doc_(doc), box_(read_box(doc)), level_(level) {
   conceg_substrate *substrate = nullptr;
   must(conceg_substrate_open(doc, &substrate));
   substrate_.reset(substrate, conceg_substrate_free);
   seed_ = placing_seed(doc);
   has_skeleton_ = has(doc, "/skeleton/position");
   if (has(doc, "/types/layer")) layers_ = texts(doc, "/types/layer");
-  const std::uint64_t meshes = conceg_substrate_meshes(substrate);
-  if (meshes) surfaces_of_.resize(conceg_substrate_cells(substrate));
-  for (std::uint64_t mesh = 0; mesh < meshes; mesh++) {
-    conceg_mesh_view found = {};
-    found.size = sizeof found;
-    must(conceg_substrate_mesh(substrate, mesh, &found));
-    if (found.cell >= surfaces_of_.size())
-      fail(CONCEG_E_FORMAT, "/meshes/cell[%llu]: expected a cell below %zu, got %u",
-           static_cast<unsigned long long>(mesh), surfaces_of_.size(), found.cell);
-    surfaces_of_[found.cell].push_back(mesh);
+  find_surfaces();
+}
+
+// Rows and arrays of all levels were checked when the substrate was opened, which holds level 0.
+void Source::find_surfaces() {
+  const std::uint64_t finest = conceg_substrate_meshes(substrate_.get());
+  if (!finest) return;
+  surfaces_of_.resize(conceg_substrate_cells(substrate_.get()));
+  if (level_ == 0) {
+    for (std::uint64_t row = 0; row < finest; row++)
+      surfaces_of_[mesh(row).cell].push_back(row);
+    return;
   }
+  const View<std::uint32_t> cell = view<std::uint32_t>(doc_, "/meshes/cell");
+  const View<std::uint8_t> lod = optional_column<std::uint8_t>(doc_, "/meshes/lod", cell.rows());
+  int most = 0;
+  bool found = false;
+  for (std::uint64_t row = 0; lod.data() && row < cell.rows(); row++) {
+    most = std::max(most, int(lod[row]));
+    if (lod[row] == level_) surfaces_of_[cell[row]].push_back(row), found = true;
+  }
+  if (!found)
+    fail(CONCEG_E_MISSING,
+         "level=%d: the document has surfaces up to level %d; run the mesh stage with levels=%d", level_,
+         most, level_);
+}
+
+conceg_mesh_view Source::mesh(std::uint64_t row) const {
+  conceg_mesh_view found = {};
+  found.size = sizeof found;
+  if (level_ == 0) {
+    must(conceg_substrate_mesh(substrate_.get(), row, &found));
+    return found;
+  }
+  const View<std::uint64_t> vertex_offset = view<std::uint64_t>(doc_, "/meshes/vertex_offset"),
+                            face_offset = view<std::uint64_t>(doc_, "/meshes/face_offset");
+  found.vertex = view<double>(doc_, "/meshes/vertex", 3).row(vertex_offset[row]);
+  found.face = view<std::uint32_t>(doc_, "/meshes/face", 3).row(face_offset[row]);
+  found.vertex_count = vertex_offset[row + 1] - vertex_offset[row];
+  found.face_count = face_offset[row + 1] - face_offset[row];
+  return found;
 }
 
 std::vector<Cell> Source::select(const std::string &cells) const {
@@ -85,39 +115,68 @@ Tree Source::tree(std::uint64_t cell) const {
   return tree;
 }
 
-CellSurface Source::surface(std::uint64_t cell, Form form) const {
+namespace {
+
+CutSurface formed(const conceg_box &box, const Surface &surface, Form form) {
+  if (form == Form::open) return cut_at_box(box, surface);
+  if (form == Form::capped) return capped_at_box(box, surface);
+  CutSurface out;
+  if (form == Form::images) {
+    TiledSurface tiled = tile(box, surface);
+    out.source_face = std::move(tiled.source_face);
+    static_cast<Surface &>(out) = std::move(static_cast<Surface &>(tiled));
+    return out;
+  }
+  static_cast<Surface &>(out) = surface;
+  for (std::uint32_t f = 0; f < surface.face.size(); f++)
+    out.source_face.push_back(f);
+  return out;
+}
+
+// A tile after the other; sides between tiles cut nothing.
+CutSurface repeated(const conceg_box &box, const Tiles &tiles, const Surface &surface, Form form) {
+  if (tiles.one()) return formed(box, surface, form);
+  const conceg_box all = tiles.of(box);
+  CutSurface out;
+  for (int x = 0; x < tiles.count[0]; x++)
+    for (int y = 0; y < tiles.count[1]; y++)
+      for (int z = 0; z < tiles.count[2]; z++) {
+        Surface moved = surface;
+        for (glm::dvec3 &p : moved.vertex)
+          p += glm::dvec3(x, y, z) * side(box);
+        const CutSurface part = formed(all, moved, form);
+        append(out, part);
+        out.source_face.insert(out.source_face.end(), part.source_face.begin(), part.source_face.end());
+      }
+  return out;
+}
+
+} // namespace
+
+CellSurface Source::surface(std::uint64_t cell, Form form, const Tiles &tiles) const {
   CellSurface out;
   const View<std::uint64_t> face_offset = view<std::uint64_t>(doc_, "/meshes/face_offset");
   const std::size_t rows = view<std::uint32_t>(doc_, "/meshes/face", 3).rows();
   const View<std::uint8_t> compartment = optional_column<std::uint8_t>(doc_, "/meshes/compartment", rows);
   const View<std::uint32_t> component = optional_column<std::uint32_t>(doc_, "/meshes/component", rows);
   const View<std::uint32_t> section = optional_column<std::uint32_t>(doc_, "/meshes/section", rows);
-  for (const std::uint64_t mesh : surfaces_of_[cell]) {
-    conceg_mesh_view found = {};
-    found.size = sizeof found;
-    must(conceg_substrate_mesh(substrate_.get(), mesh, &found));
+  for (const std::uint64_t surface : surfaces_of_[cell]) {
+    const conceg_mesh_view found = mesh(surface);
     const auto base = static_cast<std::uint32_t>(out.surface.vertex.size());
     for (std::uint64_t i = 0; i < found.vertex_count; i++)
       out.surface.vertex.emplace_back(found.vertex[3 * i], found.vertex[3 * i + 1], found.vertex[3 * i + 2]);
     for (std::uint64_t i = 0; i < found.face_count; i++)
       out.surface.face.emplace_back(found.face[3 * i] + base, found.face[3 * i + 1] + base,
                                     found.face[3 * i + 2] + base);
-    const std::size_t from = face_offset[mesh], to = face_offset[mesh + 1];
+    const std::size_t from = face_offset[surface], to = face_offset[surface + 1];
     if (compartment.data())
       out.compartment.insert(out.compartment.end(), compartment.data() + from, compartment.data() + to);
     if (component.data())
       out.component.insert(out.component.end(), component.data() + from, component.data() + to);
     if (section.data()) out.section.insert(out.section.end(), section.data() + from, section.data() + to);
   }
-  if (form == Form::closed) return out;
-  CutSurface changed;
-  if (form == Form::images) {
-    TiledSurface tiled = tile(box_, out.surface);
-    changed.source_face = std::move(tiled.source_face);
-    static_cast<Surface &>(changed) = std::move(static_cast<Surface &>(tiled));
-  } else {
-    changed = form == Form::open ? cut_at_box(box_, out.surface) : capped_at_box(box_, out.surface);
-  }
+  if (form == Form::closed && tiles.one()) return out;
+  CutSurface changed = repeated(box_, tiles, out.surface, form);
   const auto pick = [&](auto &column) {
     if (column.empty()) return;
     auto picked = column;

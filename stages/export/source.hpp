@@ -25,12 +25,25 @@ struct CellSurface {
 };
 
 // Of a cell's closed surfaces: as they are; all whole triangle images that meet the box; all images cut at
-// the periodic sides, and left open or closed by lids.
-enum class Form { closed, images, open, capped };
+// the periodic sides, and left open or closed by lids. `extracellular`: one surface of what is left of the
+// box.
+enum class Form { closed, images, open, capped, extracellular };
+
+// The box repeated along its periodic axes.
+struct Tiles {
+  int count[3] = {1, 1, 1};
+  bool one() const { return count[0] * count[1] * count[2] == 1; }
+  conceg_box of(conceg_box box) const {
+    for (int axis = 0; axis < 3; axis++)
+      box.hi[axis] = box.lo[axis] + count[axis] * conceg_box_side(&box, axis);
+    return box;
+  }
+};
 
 class Source {
 public:
-  explicit Source(conceg_doc *doc);
+  // `level`: of detail of the surfaces; 0 = the full ones.
+  explicit Source(conceg_doc *doc, int level = 0);
   const conceg_box &box() const { return box_; }
   const conceg_substrate *substrate() const { return substrate_.get(); }
   std::uint64_t seed() const { return seed_; }
@@ -39,19 +52,23 @@ public:
   bool has_volumes() const;
   std::vector<Cell> select(const std::string &cells) const;
   Tree tree(std::uint64_t cell) const;
-  CellSurface surface(std::uint64_t cell, Form form) const;
+  // In `tiles` the cell stands once per tile, and is cut or brought in at the sides of all tiles together.
+  CellSurface surface(std::uint64_t cell, Form form, const Tiles &tiles = {}) const;
   // /volumes as a full grid; its size in bytes before that.
   double volume_bytes() const;
   Volume volume() const;
 
 private:
+  void find_surfaces();
+  conceg_mesh_view mesh(std::uint64_t row) const;
   conceg_doc *doc_;
   std::shared_ptr<conceg_substrate> substrate_;
   conceg_box box_;
+  int level_;
   std::uint64_t seed_ = 0;
   bool has_skeleton_ = false;
   std::vector<std::string> layers_;                     // per type
-  std::vector<std::vector<std::uint64_t>> surfaces_of_; // per cell; empty without meshes
+  std::vector<std::vector<std::uint64_t>> surfaces_of_; // per cell: rows of /meshes; empty without any
 };
 
 } // namespace conceg::exporting

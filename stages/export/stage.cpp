@@ -7,6 +7,7 @@
 #include "vdb.hpp"
 #include "view.hpp"
 
+#include <cstdio>
 #include <cstring>
 
 namespace {
@@ -27,8 +28,19 @@ const conceg_param parameters[] = {
     {"form", "",
      "vtk, ply, stl, obj, gltf: of surfaces; closed ones are tiled with wrapped, open and capped ones are "
      "cut at the "
-     "periodic sides and left open or closed by lids in them",
-     "closed", "closed|open|capped", CONCEG_PARAM_CHOICE, 0, 0, 0},
+     "periodic sides and left open or closed by lids in them; extracellular: one closed surface of the box "
+     "without its cells",
+     "closed", "closed|open|capped|extracellular", CONCEG_PARAM_CHOICE, 0, 0, 0},
+    {"tiles", "",
+     "vtk, ply, stl, obj, gltf: of surfaces; 2x2x1 repeats them along x and y, cut by form at the outer "
+     "sides "
+     "alone",
+     "1x1x1", nullptr, CONCEG_PARAM_TEXT, 0, 0, 0},
+    {"level", "",
+     "vtk, ply, stl, obj, gltf: of surfaces; 1 and more are coarser ones, for viewers, which mesh --levels "
+     "makes "
+     "and which may cross one another",
+     "0", nullptr, CONCEG_PARAM_I64, 0, 0, 4},
     {"ascii", "", "ply: as text instead of binary", "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"columns", "", "caterpillar: of the table; the tenth is parent_component_id", "9", "9|10",
      CONCEG_PARAM_CHOICE, 0, 0, 0},
@@ -85,6 +97,48 @@ const struct {
                {"network", &network, export_network}};
 static_assert(std::size(writers) == std::size(export_formats), "a writer for each format of the list");
 
+constexpr int kMostTiles = 1000; // along an axis
+
+Tiles parse_tiles(const std::string &text) {
+  Tiles tiles;
+  char extra = 0;
+  if (std::sscanf(text.c_str(), "%4dx%4dx%4d%c", &tiles.count[0], &tiles.count[1], &tiles.count[2], &extra) !=
+      3)
+    fail(CONCEG_E_PARAM, "tiles: expected three whole numbers such as 2x2x1, got %s", text.c_str());
+  for (const int count : tiles.count)
+    if (count < 1 || count > kMostTiles)
+      fail(CONCEG_E_PARAM, "tiles: expected 1 to %d along each axis, got %s", kMostTiles, text.c_str());
+  return tiles;
+}
+
+bool is_mesh_format(const std::string &name) {
+  return name == "vtk" || name == "ply" || name == "stl" || name == "obj" || name == "gltf";
+}
+
+// What goes together.
+void check_options(const Options &options) {
+  if (options.level != 0 && options.form == Form::extracellular)
+    fail(CONCEG_E_PARAM, "form=extracellular: expected level=0, as cells of coarser levels may cross, got %d",
+         options.level);
+  if (is_mesh_format(options.to)) return;
+  if (!options.tiles.one() && options.to != "all")
+    fail(CONCEG_E_PARAM, "tiles: expected one of vtk, ply, stl, obj, gltf, all for to, got %s",
+         options.to.c_str());
+  if (options.level != 0 && options.to != "all")
+    fail(CONCEG_E_PARAM, "level: expected one of vtk, ply, stl, obj, gltf, all for to, got %s",
+         options.to.c_str());
+  if (options.form == Form::extracellular)
+    fail(CONCEG_E_PARAM, "form=extracellular: expected one of vtk, ply, stl, obj, gltf for to, got %s",
+         options.to.c_str());
+}
+
+void check_tiles(const conceg_box &box, const Tiles &tiles) {
+  for (int axis = 0; axis < 3; axis++)
+    if (tiles.count[axis] > 1 && !box.periodic[axis])
+      fail(CONCEG_E_PARAM, "tiles: expected 1 along %c, where the box is open, got %d", "xyz"[axis],
+           tiles.count[axis]);
+}
+
 Options read_options(const conceg_params *params) {
   Options options = {};
   options.to = conceg_params_text(params, "to"), options.dir = conceg_params_text(params, "dir"),
@@ -93,10 +147,14 @@ Options read_options(const conceg_params *params) {
   options.ascii = conceg_params_bool(params, "ascii") != 0;
   options.whole = conceg_params_bool(params, "whole") != 0;
   const std::string form = conceg_params_text(params, "form");
-  options.form = form == "open"     ? Form::open
-                 : form == "capped" ? Form::capped
-                 : options.wrapped  ? Form::images
-                                    : Form::closed;
+  options.form = form == "open"            ? Form::open
+                 : form == "capped"        ? Form::capped
+                 : form == "extracellular" ? Form::extracellular
+                 : options.wrapped         ? Form::images
+                                           : Form::closed;
+  options.tiles = parse_tiles(conceg_params_text(params, "tiles"));
+  options.level = static_cast<int>(conceg_params_i64(params, "level"));
+  check_options(options);
   options.columns = std::strcmp(conceg_params_text(params, "columns"), "10") ? 9 : 10;
   options.walkers = static_cast<std::uint64_t>(conceg_params_i64(params, "walkers"));
   options.diffusivity = conceg_params_f64(params, "diffusivity_um2_per_ms"),
@@ -119,6 +177,9 @@ const Format &format_named(const std::string &name) {
 
 // The groups that the wanted kinds of files need.
 void check_groups(conceg_doc *doc, const Options &options) {
+  check_tiles(read_box(doc), options.tiles);
+  if (options.form == Form::extracellular && !has(doc, meshes.path))
+    fail(CONCEG_E_MISSING, "/meshes: form=extracellular needs it, got none; run the mesh stage first");
   if (options.to == "vdb" && !vdb_available())
     fail(CONCEG_E_UNSUPPORTED, "vdb: this build has no OpenVDB; install libopenvdb-dev and build again");
   for (const auto &writer : writers)
@@ -171,7 +232,7 @@ extern "C" const conceg_stage conceg_stage_export = {
     sizeof(conceg_stage),
     "export",
     "files",
-    "1.2.0",
+    "1.3.0",
     "writes files for other programs: viewers, mesh tools, and simulators with all that they need beside the "
     "cells",
     "conceg export --to mcdc --dir cube_mcdc < cube.cgx",

@@ -47,8 +47,9 @@ void write_stl_text(OutputFile &file, const Surface &surface) {
 }
 
 void export_stl(Job &job) {
+  if (job.options.form == Form::extracellular) return write_extracellular(job, "stl");
   for (const Cell &cell : job.cells) {
-    const Surface surface = job.source.surface(cell.row, job.options.form).surface;
+    const Surface surface = job.surface_of(cell).surface;
     if (surface.face.empty()) continue;
     Written row = job.about(cell, "stl/" + name_of(cell) + ".stl", "surface");
     row.points = surface.vertex.size(), row.faces = surface.face.size();

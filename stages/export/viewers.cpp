@@ -29,7 +29,7 @@ void export_surfaces(Job &job) {
   for (std::size_t i = 0; i < job.cells.size(); i++) {
     const Cell &cell = job.cells[i];
     report(job.progress, "export: surfaces", i, job.cells.size());
-    const CellSurface mesh = job.source.surface(cell.row, job.options.form);
+    const CellSurface mesh = job.surface_of(cell);
     if (mesh.surface.face.empty()) continue;
     const std::string name = name_of(cell);
     blocks.push_back({"surfaces/" + name + ".vtp", name});
@@ -76,6 +76,7 @@ void warn_of_left_out(Job &job) {
 } // namespace
 
 void export_vtk(Job &job) {
+  if (job.options.form == Form::extracellular) return write_extracellular(job, "vtk");
   if (job.source.has_skeleton()) export_skeletons(job);
   if (job.source.has_meshes()) export_surfaces(job);
   if (job.source.has_volumes() && job.options.cells == "all") export_volume(job);
@@ -91,17 +92,19 @@ static const char *form_text(Form form) {
   case Form::capped:
     return "all images cut at the periodic sides, closed by lids there";
   case Form::closed:
+  case Form::extracellular:
     break;
   }
   return nullptr;
 }
 
 void export_ply(Job &job) {
+  if (job.options.form == Form::extracellular) return write_extracellular(job, "ply");
   const char *const images = form_text(job.options.form);
   std::vector<Surface> surfaces;
   for (std::size_t i = 0; i < job.cells.size(); i++) {
     report(job.progress, "export: PLY", i, job.cells.size());
-    CellSurface mesh = job.source.surface(job.cells[i].row, job.options.form);
+    CellSurface mesh = job.surface_of(job.cells[i]);
     if (mesh.surface.face.empty()) continue;
     write_ply_file(job, "ply/" + name_of(job.cells[i]) + ".ply", {&mesh.surface}, &job.cells[i],
                    job.options.ascii, "lengths in um", images);

@@ -33,8 +33,8 @@ std::vector<Task> tasks_of(const Views &surfaces, const std::vector<std::uint64_
   return tasks;
 }
 
-void write_rows(conceg_doc *doc, const Views &surfaces, std::vector<std::uint64_t> &vertex_offset,
-                std::vector<std::uint64_t> &face_offset) {
+void write_rows(conceg_doc *doc, const Views &surfaces, const std::vector<std::uint8_t> &lod,
+                std::vector<std::uint64_t> &vertex_offset, std::vector<std::uint64_t> &face_offset) {
   vertex_offset = face_offset = {0};
   std::vector<std::uint32_t> cell;
   std::vector<glm::dvec3> origin;
@@ -44,7 +44,7 @@ void write_rows(conceg_doc *doc, const Views &surfaces, std::vector<std::uint64_
     face_offset.push_back(face_offset.back() + surface.faces);
   }
   put(doc, "/meshes/cell", cell);
-  put(doc, "/meshes/lod", std::vector<std::uint8_t>(surfaces.size()));
+  put(doc, "/meshes/lod", lod);
   put_texts(doc, "/meshes/form", std::vector<std::string>(surfaces.size(), "closed"));
   put3(doc, "/meshes/origin", origin);
   put(doc, "/meshes/lift", std::vector<std::int32_t>(surfaces.size() * 3), 3);
@@ -55,10 +55,15 @@ void write_rows(conceg_doc *doc, const Views &surfaces, std::vector<std::uint64_
 } // namespace
 
 void write_surfaces(conceg_doc *doc, const Scene &scene, const Index &index, const Finished &done,
-                    Workers &workers) {
-  const Views &surfaces = done.surfaces;
+                    const std::vector<Level> &levels, Workers &workers) {
+  Views surfaces = done.surfaces;
+  std::vector<std::uint8_t> lod(surfaces.size());
+  for (std::size_t i = 0; i < levels.size(); i++) {
+    surfaces.insert(surfaces.end(), levels[i].surfaces.begin(), levels[i].surfaces.end());
+    lod.resize(surfaces.size(), static_cast<std::uint8_t>(i + 1));
+  }
   std::vector<std::uint64_t> vertex_offset, face_offset;
-  write_rows(doc, surfaces, vertex_offset, face_offset);
+  write_rows(doc, surfaces, lod, vertex_offset, face_offset);
   double *vertex = fill<double>(doc, "/meshes/vertex", vertex_offset.back(), 3);
   std::uint32_t *face = fill<std::uint32_t>(doc, "/meshes/face", face_offset.back(), 3);
   std::uint8_t *compartment = fill<std::uint8_t>(doc, "/meshes/compartment", face_offset.back());
@@ -91,25 +96,32 @@ void write_surfaces(conceg_doc *doc, const Scene &scene, const Index &index, con
 }
 
 double write_measures(conceg_doc *doc, const conceg_box &box, const Scene &scene, const FinalCheck &check,
-                      const std::vector<Pieces> &pieces, double gap, Workers &workers) {
-  const Views &surfaces = check.surfaces;
+                      const std::vector<Pieces> &pieces, const std::vector<Level> &levels, double gap,
+                      Workers &workers) {
+  Views surfaces = check.surfaces;
+  const std::size_t finest = surfaces.size();
+  for (const Level &level : levels)
+    surfaces.insert(surfaces.end(), level.surfaces.begin(), level.surfaces.end());
   std::vector<double> volumes(surfaces.size()), areas(surfaces.size()), inside(surfaces.size()), detached;
   std::vector<std::int64_t> genus;
   workers.loop(surfaces.size(), 1, [&](std::size_t s, unsigned) {
     volumes[s] = volume_of(surfaces[s]), areas[s] = area_of(surfaces[s]);
-    inside[s] = volume_inside(surfaces[s], box);
+    if (s < finest) inside[s] = volume_inside(surfaces[s], box);
   });
   double sum = 0, total = 0;
   for (std::size_t s = 0; s < surfaces.size(); s++) {
     genus.push_back((2 - euler_characteristic(surfaces[s])) / 2);
-    detached.push_back(pieces[surfaces[s].cell].detached_volume);
-    sum += inside[s], total += volumes[s];
+    detached.push_back(s < finest ? pieces[surfaces[s].cell].detached_volume : 0);
+    if (s < finest) sum += inside[s], total += volumes[s];
   }
+  std::vector<std::uint8_t> closed = check.result.closed;
+  std::vector<double> min_gap = check.result.min_gap;
+  closed.resize(surfaces.size(), 1), min_gap.resize(surfaces.size(), 0);
   put(doc, "/meshes/volume", volumes);
   put(doc, "/meshes/area", areas);
   put(doc, "/meshes/genus", genus);
-  put(doc, "/meshes/closed", check.result.closed);
-  put(doc, "/meshes/min_gap", check.result.min_gap);
+  put(doc, "/meshes/closed", closed);
+  put(doc, "/meshes/min_gap", min_gap);
   put(doc, "/meshes/detached_volume", detached);
   put_scalar(doc, "/meshes@icvf", sum / volume(box));
   put_scalar(doc, "/meshes@grid_step", std::max({scene.grid.step.x, scene.grid.step.y, scene.grid.step.z}));

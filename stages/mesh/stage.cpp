@@ -4,6 +4,7 @@
 
 #include "final_check.hpp"
 #include "finish.hpp"
+#include "levels.hpp"
 #include "output.hpp"
 #include "pinch.hpp"
 #include "smooth.hpp"
@@ -20,7 +21,7 @@ namespace {
 using namespace conceg;
 using namespace conceg::mesh;
 
-constexpr char kVersion[] = "1.1.0";
+constexpr char kVersion[] = "1.2.0";
 constexpr double kGapReach = 1.5; // gaps are measured up to so many times the gap that is asked
 
 const conceg_param parameters[] = {
@@ -45,6 +46,10 @@ const conceg_param parameters[] = {
     {"volumes", "", "write label and distance volumes", "true", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"volume_step_um", "um", "largest voxel of the volumes; 0 = twice h_um", "0", nullptr, CONCEG_PARAM_F64,
      0, 0, 100},
+    {"levels", "", "coarser versions of each surface beside it, for viewers; they may cross one another", "0",
+     nullptr, CONCEG_PARAM_I64, 0, 0, 4},
+    {"level_um", "um", "how far level 1 may lie from the surface; each further level three times as far",
+     "0.2", nullptr, CONCEG_PARAM_F64, 0, 0.001, 100},
     {"space", "", "measure the extracellular space on the grid's tetrahedra, its pieces too (periodic boxes)",
      "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"checkpoint", "",
@@ -215,6 +220,17 @@ void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done, 
                    100 * cut / total);
 }
 
+void tell_levels(conceg_ctx *ctx, const std::vector<Level> &levels) {
+  for (std::size_t i = 0; i < levels.size(); i++) {
+    std::size_t faces = 0;
+    for (const SurfaceView &surface : levels[i].surfaces)
+      faces += surface.faces;
+    conceg_ctx_log(ctx, CONCEG_LOG_INFO,
+                   "mesh: level %zu: %zu faces; %zu surfaces are those of the level before", i + 1, faces,
+                   levels[i].unchanged);
+  }
+}
+
 void report_space(conceg_ctx *ctx, const Space &space) {
   conceg_ctx_log(
       ctx, CONCEG_LOG_RESULT,
@@ -279,9 +295,10 @@ Finished finished_smooth(const Tissue &tissue, const SceneOptions &scene_options
   return done;
 }
 
-void make_meshes(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, const Tissue &tissue,
-                 const SceneOptions &scene_options, Workers &workers, const Progress &progress,
-                 Phases &phases) {
+// Tells which skeleton segments lie in pieces that are left out.
+std::vector<std::uint8_t> make_meshes(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params,
+                                      const Tissue &tissue, const SceneOptions &scene_options,
+                                      Workers &workers, const Progress &progress, Phases &phases) {
   const std::string side_file = conceg_params_text(params, "checkpoint");
   const Scene scene = make_scene(tissue, scene_options);
   check_room(ctx, scene, scene_options.cluster, side_file);
@@ -311,15 +328,21 @@ void make_meshes(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, 
     conceg_ctx_log(ctx, CONCEG_LOG_INFO, "mesh: %zu cells taken over from %s", done.taken_over,
                    side_file.c_str());
   const std::vector<std::uint8_t> there = report_pieces(ctx, done.pieces, done.surfaces);
+  const std::vector<Level> levels =
+      make_levels(done.surfaces, tissue.cells(), static_cast<int>(conceg_params_i64(params, "levels")),
+                  conceg_params_f64(params, "level_um"), options.folder, workers, progress);
+  tell_levels(ctx, levels);
   must(conceg_doc_drop(doc, "/meshes"));
-  write_surfaces(doc, scene, index, done, workers);
+  write_surfaces(doc, scene, index, done, levels, workers);
   workers.count(ctx, "mesh.faces");
   phases.end("write");
   const FinalCheck check = judge(doc, there, options, workers, progress);
-  const double total = write_measures(doc, tissue.box, scene, check, done.pieces, options.gap, workers);
+  const double total =
+      write_measures(doc, tissue.box, scene, check, done.pieces, levels, options.gap, workers);
   report_result(ctx, tissue, done, check, total);
   phases.end("final check");
   if (!side_file.empty()) std::remove(side_file.c_str());
+  return left_out_segments(tissue, check.surfaces, done.pieces, workers);
 }
 
 void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
@@ -335,9 +358,10 @@ void run_mesh(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   Phases phases;
   if (conceg_params_bool(params, "smooth") && tissue.cells() != 1)
     fail(CONCEG_E_RANGE, "smooth: expected a single cell, got %zu; leave smooth out", tissue.cells());
-  const VolumeOutput volume(ctx, params, tissue, options, workers);
+  VolumeOutput volume(ctx, params, tissue, options, workers);
   phases.end("volume laid out");
-  make_meshes(ctx, doc, params, tissue, options, workers, progress, phases);
+  volume.leave_out(ctx, tissue, make_meshes(ctx, doc, params, tissue, options, workers, progress, phases),
+                   workers);
 
   must(conceg_doc_drop(doc, "/volumes"));
   volume.write(ctx, doc, workers);

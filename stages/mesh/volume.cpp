@@ -35,16 +35,20 @@ bool is_held(const Scene &scene, const BlockField &field, const glm::ivec3 &corn
   return held;
 }
 
-void fill_leaf(const Scene &scene, const BlockField &field, const glm::ivec3 &corner, std::uint32_t *label,
-               float *distance) {
+void fill_leaf(const VolumeLayout &layout, const BlockField &field, const glm::ivec3 &corner,
+               std::uint32_t *label, float *distance) {
+  const Scene &scene = layout.scene;
   const float band = static_cast<float>(kVolumeBand), unit = static_cast<float>(scene.grid.unit);
   if (label) std::fill(label, label + kLeafVoxels, 0u);
   std::fill(distance, distance + kLeafVoxels, band * unit);
   for_each_voxel(scene, field, corner, [&](int voxel, int node) {
     float nearest = band;
     for (std::size_t i = 0; i < field.label.size(); i++) {
+      const std::uint32_t cell = field.label[i].cell,
+                          own = layout.label.empty() ? cell + 1 : layout.label[cell];
       const float value = field.of(i)[node];
-      if (value < 0 && label) label[voxel] = field.label[i].cell + 1;
+      if (own == 0) continue;
+      if (value < 0 && label) label[voxel] = own;
       nearest = std::min(nearest, value);
     }
     distance[voxel] = std::max(-band, nearest) * unit;
@@ -68,9 +72,10 @@ void for_each_block(const Scene &scene, const Index &index, const char *what, Wo
 } // namespace
 
 VolumeLayout lay_out_volume(const Tissue &tissue, SceneOptions options, Workers &workers,
-                            const Progress &progress) {
+                            const Progress &progress, std::vector<std::uint32_t> label) {
   options.centred = true;
   VolumeLayout layout;
+  layout.label = std::move(label);
   layout.scene = make_scene(tissue, options);
   layout.index = make_index(layout.scene, workers, progress);
   layout.band = kVolumeBand * layout.scene.grid.unit;
@@ -99,7 +104,7 @@ void fill_volume(const VolumeLayout &layout, std::uint32_t *label, float *distan
   for_each_block(layout.scene, layout.index, "mesh: volume", workers, progress,
                  [&](std::size_t row, const BlockField &field) {
                    for (std::uint64_t i = layout.first_leaf[row]; i < layout.first_leaf[row + 1]; i++)
-                     fill_leaf(layout.scene, field, layout.leaf_origin[i] - field.first - kHalo,
+                     fill_leaf(layout, field, layout.leaf_origin[i] - field.first - kHalo,
                                label ? label + i * kLeafVoxels : nullptr, distance + i * kLeafVoxels);
                  });
 }

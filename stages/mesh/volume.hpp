@@ -16,7 +16,8 @@ constexpr double kVolumeBand = 2.0; // steps: distances are cut to -band .. band
 struct VolumeLayout {
   Scene scene; // nodes at the centres of the voxels
   Index index;
-  double band = 0; // um
+  double band = 0;                  // um
+  std::vector<std::uint32_t> label; // per cell of the scene: of its voxels, 0 = none; empty: cell + 1
   std::vector<glm::ivec3> leaf_origin;
   std::vector<std::uint64_t> first_leaf;                         // per block of the index, and one more
   const glm::dvec3 &origin() const { return scene.grid.origin; } // centre of voxel (0, 0, 0), um
@@ -25,11 +26,12 @@ struct VolumeLayout {
   std::size_t values() const { return leaf_origin.size() * kLeafVoxels; }
 };
 
-// `options.h` is the largest spacing. Voxels are those of the box, also where cells leave an open side.
+// `options.h` is the largest spacing. Voxels are those of the box, also where cells leave an open side. Cells
+// whose `label` is 0 keep the others away, and are in neither labels nor distances.
 VolumeLayout lay_out_volume(const Tissue &tissue, SceneOptions options, Workers &workers,
-                            const Progress &progress);
+                            const Progress &progress, std::vector<std::uint32_t> label = {});
 
-// label: cell + 1 or 0 outside of all cells, or NULL; distance in um, negative inside. values() elements
+// label: as above, 0 outside of all cells, or NULL; distance in um, negative inside. values() elements
 // each.
 void fill_volume(const VolumeLayout &layout, std::uint32_t *label, float *distance, Workers &workers,
                  const Progress &progress);

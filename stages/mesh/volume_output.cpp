@@ -19,10 +19,18 @@ VolumeOutput::VolumeOutput(conceg_ctx *ctx, const conceg_params *params, const T
                            const SceneOptions &options, Workers &workers)
     : in_document_(conceg_params_bool(params, "volumes") != 0), vdb_(conceg_params_text(params, "vdb")) {
   if (!in_document_ && vdb_.empty()) return;
-  SceneOptions voxels = options;
+  voxels_ = options;
   const double step = conceg_params_f64(params, "volume_step_um");
-  voxels.h = step > 0 ? step : 2 * options.h;
-  layout_ = lay_out_volume(tissue, voxels, workers, progress_of(ctx));
+  voxels_.h = step > 0 ? step : 2 * options.h;
+  layout_ = lay_out_volume(tissue, voxels_, workers, progress_of(ctx));
+  check_size(ctx);
+}
+
+void VolumeOutput::leave_out(conceg_ctx *ctx, const Tissue &tissue, const std::vector<std::uint8_t> &left_out,
+                             Workers &workers) {
+  if ((!in_document_ && vdb_.empty()) || left_out.empty()) return;
+  Relabelled divided = with_left_out_apart(tissue, left_out);
+  layout_ = lay_out_volume(divided.tissue, voxels_, workers, progress_of(ctx), std::move(divided.label));
   check_size(ctx);
 }
 

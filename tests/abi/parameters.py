@@ -22,6 +22,7 @@ instead = {
     "mesh.inflate_um": ("0.1", "at the upper bound one cell fills the box"),
     "mesh.volume_step_um": ("1", "the lower bound is the default, the upper one is wider than the box"),
     "mesh.tolerance_um": ("0", "at the upper bound the surfaces are simplified for minutes"),
+    "mesh.level_um": ("0.5", "at the bounds hardly a face goes, or few stay"),
     "relax.iterations": ("5", "the upper bound takes an hour"),
     "place.soma_gap_um": ("2", "the lower bound shows only where somata touch, the upper one fits no box"),
     "relax.skin_um": ("0.5", "at the upper bound the list of pairs is everything"),
@@ -52,6 +53,7 @@ instead = {
     "import.pulse_separation_ms": ("25", "the lower bound is the default"),
     "import.margin_um": ("7", "the upper bound is wider than any tissue"),
     "import.box_um": ("90", "the lower bound is the default, the upper one is wider than any tissue"),
+    "export.level": ("1", "the document has no coarser ones"),
     "export.walkers": ("20", "the upper bound takes an hour"),
     "export.directions": ("6", "the upper bound makes a large table"),
     "export.fraction_um": ("4", "at the bounds there is one voxel, or those of the labels"),
@@ -117,6 +119,7 @@ texts = {
     "import.compartment": "intra",
     "export.cells": "0",
     "export.dir": "{work}/exported",
+    "export.tiles": "2x1x1",
     "export.b_values_ms_per_um2": "0 2",
     "import.info": "{work}/other_info.txt",
     "render.cells": "0",
@@ -193,7 +196,7 @@ class Parameters:
         work = self.work
         recipe = work / "recipe.yaml"
         recipe.write_text((self.source / "tests/pipe/small.yaml").read_text().replace("[28, 28, 28]", "[20, 20, 20]").replace("1.4e-4", "2.6e-4"))
-        self.must("run", recipe, "--until", until, "--set", "mesh.h_um=0.6", "-q", "--checkpoint", work / "made", "-o", work / "mesh.cgx")
+        self.must("run", recipe, "--until", until, "--set", "mesh.h_um=0.6", "--set", "mesh.levels=1", "-q", "--checkpoint", work / "made", "-o", work / "mesh.cgx")
         (work / "cell.swc").write_text(cell)
         (work / "one.scheme").write_text("VERSION: STEJSKALTANNER\n1 0 0 0.5 0.003 0.001 0.004\n")
         (work / "loose-trees.swc").write_text(cell + "16 3 50 0 0 0.4 -1\n17 3 55 0 0 0.4 16\n")

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The meshes before others: trimesh, meshio and PyVista find each cell closed, wound alike and of our volume; DiSimPy's loader
-takes the box; MC/DC's rules (mcdc_linter.py) and the least triangle it can use hold, and defects planted in a copy are seen.  meshes.py BIN"""
+"""The meshes before others: trimesh, meshio and PyVista find each cell closed, wound alike and of our volume; tiles, cut forms and the
+surface of the extracellular space are closed, of the volume they must have, and bit for bit alike on opposite sides; levels of detail keep the
+volume; DiSimPy's loader takes the box; MC/DC's rules (mcdc_linter.py) and the least triangle it can use hold, and defects planted in a copy are seen.  meshes.py BIN"""
 import os
 import pathlib
 import subprocess
@@ -46,6 +47,7 @@ def single_cells(work, document):
     with h5py.File(document) as file:
         cells, volumes, genus = (file[f"meshes/{name}"][...] for name in ("cell", "volume", "genus"))
         faces = np.diff(file["meshes/face_offset"][...])
+        cells = cells[file["meshes/lod"][...] == 0]
     for row, cell in enumerate(cells):
         path = next((work / "ply").glob(f"*{cell:04d}*.ply"))
         mesh = trimesh.load(path, process=False)
@@ -67,6 +69,87 @@ def single_cells(work, document):
     expect(not hole.is_watertight and pyvista.wrap(hole).n_open_edges == 3, "a hole is seen")
     expect(not turned.is_winding_consistent, "a turned face is seen")
     return len(cells)
+
+
+def rim(mesh, axis, value):
+    """Edges of one face in a side, by their ends' other two coordinates, bit for bit."""
+    edges = np.sort(mesh.edges, axis=1)
+    unique, count = np.unique(edges, axis=0, return_counts=True)
+    ends = mesh.vertices[unique[count == 1]]
+    ends = np.delete(ends[(ends[:, :, axis] == value).all(axis=1)], axis, axis=2)
+    return sorted(tuple(sorted(map(tuple, edge))) for edge in ends.tolist())
+
+
+def side(mesh, axis, value):
+    """Triangles that lie in a side, likewise."""
+    corners = mesh.triangles[(mesh.triangles[:, :, axis] == value).all(axis=1)]
+    return sorted(tuple(sorted(map(tuple, t))) for t in np.delete(corners, axis, axis=2).tolist())
+
+
+def alike(mesh, box, of):
+    pairs = [(of(mesh, axis, 0.0), of(mesh, axis, box[axis])) for axis in range(3)]
+    return all(low == high and low for low, high in pairs)
+
+
+def forms(export, work, document, box, icvf, cells):
+    """Tiles and cut forms, of all cells in one file; volumes against /meshes@icvf."""
+    tiles = (2, 1, 2)
+    tiled_box, count = box * tiles, int(np.prod(tiles))
+
+    def read(name, *words):
+        export(document, "--to", "ply", "--dir", work / name, *words)
+        path = work / name / "ply" / ("extracellular.ply" if "extracellular" in words else "all_cells.ply")
+        return trimesh.load(path, process=False)
+
+    grid = ("--tiles", "x".join(map(str, tiles)))
+    closed, many = read("closed"), read("many", *grid)
+    expect(closed_and_alike(many) and same_volume(many.volume, count * closed.volume), f"tiles: volume {many.volume}, expected {count} x {closed.volume}")
+    expect(many.body_count == count * cells, f"tiles: {many.body_count} bodies, expected {count} x {cells}")
+    expect(np.array_equal(np.unique(many.vertices[:, 1]), np.unique(closed.vertices[:, 1])), "tiles: no point moves where there is one")
+    capped, capped_many = read("capped", "--form", "capped"), read("capped_many", "--form", "capped", *grid)
+    for name, mesh, number, sides in (("capped", capped, 1, box), ("tiled capped", capped_many, count, tiled_box)):
+        expect(closed_and_alike(mesh) and same_volume(mesh.volume, number * icvf * box.prod()), f"{name}: volume {mesh.volume / box.prod()} boxes, icvf {icvf}")
+        expect(np.array_equal(mesh.bounds, [np.zeros(3), sides]), f"{name}: in {mesh.bounds}")
+        expect(alike(mesh, sides, side), f"{name}: lids on opposite sides are the same bit for bit")
+    expect(len(capped_many.faces) < count * len(capped.faces), "tiled capped: no lids between tiles")
+    opened = read("opened", "--form", "open", *grid)
+    expect(alike(opened, tiled_box, rim), "tiled open: rims on opposite sides are the same bit for bit")
+    expect(not rim(opened, 0, box[0]), "tiled open: nothing is cut between tiles")
+    faces = []
+    for name, words, number, sides in (("extracellular", (), 1, box), ("tiled extracellular", grid, count, tiled_box)):
+        mesh = read(name, "--form", "extracellular", *words)
+        expect(closed_and_alike(mesh) and same_volume(mesh.volume, number * (1 - icvf) * box.prod()), f"{name}: volume {mesh.volume / box.prod()} boxes, 1 - icvf {1 - icvf}")
+        expect(np.array_equal(mesh.bounds, [np.zeros(3), sides]), f"{name}: in {mesh.bounds}")
+        expect(alike(mesh, sides, side), f"{name}: opposite sides are the same bit for bit")
+        lids = capped if number == 1 else capped_many
+        areas = [trimesh.triangles.area(m.triangles[(m.triangles[:, :, 0] == 0).all(axis=1)]).sum() for m in (mesh, lids)]
+        expect(same_volume(sum(areas), sides[1] * sides[2]), f"{name}: it and the cells' lids cover a side: {areas}, {sides[1] * sides[2]}")
+        faces.append(len(mesh.faces))
+    # The other formats hold the same surface.
+    for form, file in (("stl", "extracellular.stl"), ("obj", "extracellular.obj"), ("gltf", "extracellular.glb")):
+        export(document, "--to", form, "--form", "extracellular", "--dir", work / "other")
+        mesh = trimesh.load(work / "other" / form / file, force="mesh")
+        expect(len(mesh.faces) == faces[0] and same_volume(mesh.volume, (1 - icvf) * box.prod()), f"{file}: {len(mesh.faces)} faces, volume {mesh.volume}")
+    export(document, "--to", "vtk", "--form", "extracellular", "--dir", work / "other")
+    seen = pyvista.read(work / "other/vtk/extracellular.vtp")
+    expect(seen.n_open_edges == 0 and same_volume(seen.volume, (1 - icvf) * box.prod()), f"extracellular.vtp: {seen.n_open_edges} open edges, volume {seen.volume}")
+    labels = set(np.unique(seen.cell_data["compartment"]).tolist())
+    expect({0, 1} <= labels <= {0, 1, 2, 3, 4, 7}, f"extracellular.vtp: compartments {labels}")
+    return faces
+
+
+def levels(export, work, document, total):
+    """Coarser levels: closed, of the same volume, lighter."""
+    faces = []
+    for level in (0, 1, 2):
+        export(document, "--to", "ply", "--level", level, "--dir", work / f"level{level}")
+        meshes = [trimesh.load(path, process=False) for path in sorted((work / f"level{level}/ply").glob("cell*.ply"))]
+        expect(all(closed_and_alike(m) and m.body_count == 1 for m in meshes), f"level {level}: closed bodies, wound alike")
+        volume = sum(m.volume for m in meshes)
+        expect(abs(volume - total) < 1e-4 * total, f"level {level}: volume {volume}, expected {total}")
+        faces.append(sum(len(m.faces) for m in meshes))
+    expect(faces[1] < 0.7 * faces[0] and faces[2] < 0.25 * faces[0], f"levels: {faces} faces")
+    return faces
 
 
 def disimpy_loads(work, box):
@@ -135,19 +218,26 @@ def mcdc_rules(work):
 
 def main(work):
     document = work / "cube.cgx"
-    subprocess.run([bin_folder / "conceg", "run", recipe, "--until", "mesh", "--set", "mesh.h_um=0.5", "-q", "-o", document], check=True)
+    subprocess.run([bin_folder / "conceg", "run", recipe, "--until", "mesh", "--set", "mesh.h_um=0.5", "--set", "mesh.levels=2", "-q", "-o", document], check=True)
+
+    def export(*words):
+        subprocess.run([bin_folder / "conceg-export", *map(str, words), "-q"], check=True)
+
     for form in ("ply", "stl", "vtk", "mcdc", "disimpy"):
-        subprocess.run([bin_folder / "conceg-export", document, "--to", form, "--dir", work, "--walkers", "200", "-q"], check=True)
+        export(document, "--to", form, "--dir", work, "--walkers", "200")
     with h5py.File(document) as file:
+        icvf = file["meshes"].attrs["icvf"]
         box = file["domain"].attrs["hi"] - file["domain"].attrs["lo"]
-        total = file["meshes/volume"][...].sum()
+        total = file["meshes/volume"][...][file["meshes/lod"][...] == 0].sum()
     cells = single_cells(work, document)
     together = [pyvista.read(path) for path in sorted((work / "vtk").rglob("*.vtp"))]
     meshes = [mesh for mesh in together if mesh.n_cells and mesh.is_all_triangles]
     expect(meshes and same_volume(sum(mesh.volume for mesh in meshes), total), f"PyVista: volume of the .vtp {sum(m.volume for m in meshes)}, expected {total}")
+    space = forms(export, work, document, box, icvf, cells)
+    lighter = levels(export, work, document, total)
     faces = disimpy_loads(work, box)
     files = mcdc_rules(work)
-    print(f"meshes before others: {cells} cells by trimesh, meshio and PyVista, {faces} triangles by DiSimPy's loader, {files} PLY files by MC/DC's rules")
+    print(f"meshes before others: {cells} cells by trimesh, meshio and PyVista, {faces} triangles by DiSimPy's loader, {files} PLY files by MC/DC's rules; extracellular surfaces of {space[0]} and, of four tiles, {space[1]} triangles; levels of detail of {lighter} triangles")
 
 
 os.environ.setdefault("NUMBA_DISABLE_CUDA", "1")

@@ -90,6 +90,7 @@ void corpus_delete(hid_t file, const char *path) {
 static void put_program_rules(FILE *manifest) {
   static const char *const rows[][2] = {{"CGX-014", "spec.conformance"},
                                         {"CGX-015", "pipe.replace-stage"},
+                                        {"CGX-067", "interop.meshes"},
                                         {"STR-002", "spec.conformance"},
                                         {"STR-003", "cli.cli"},
                                         {"STR-004", "cli.cli"},

@@ -117,7 +117,7 @@ typedef struct conceg_mesh_view {
   uint32_t closed; /* 1 = its maker found it closed; 0 = not, or not stated */
   uint32_t reserved;
 } conceg_mesh_view;
-/* Number of surfaces; 0 when the document has none. */
+/* Number of surfaces of level 0; coarser ones are not opened. */
 CONCEG_API uint64_t conceg_substrate_meshes(const conceg_substrate *substrate);
 /* Surface number `mesh`, borrowed; out->size must be set. Errors: E_RANGE, E_USAGE. */
 CONCEG_API conceg_status conceg_substrate_mesh(const conceg_substrate *substrate, uint64_t mesh,

@@ -157,6 +157,19 @@ static void bad_input() {
   CHECK_EQUAL(run(true, true, {"dir=" + dir_of("none"), "cells=3"}, &error), CONCEG_E_RANGE);
   CHECK_EQUAL(run(true, true, {"dir=" + dir_of("none"), "cells=id:7"}, &error), CONCEG_E_RANGE);
   CHECK_EQUAL(run(true, true, {"dir=" + dir_of("none"), "cells=first"}, &error), CONCEG_E_PARAM);
+  for (const char *tiles : {"2x2", "0x1x1", "2x1x1x1", "2x1x1001", "axbxc", "-1x1x1", ""})
+    CHECK_EQUAL(run(true, true, {"dir=" + dir_of("none"), std::string("tiles='") + tiles + "'"}, &error),
+                CONCEG_E_PARAM);
+  CHECK(error.find("tiles: expected three whole numbers") != std::string::npos);
+  CHECK_EQUAL(run(true, true, {"dir=" + dir_of("none"), "to=mcdc", "tiles=2x1x1"}, &error), CONCEG_E_PARAM);
+  CHECK(error.find("got mcdc") != std::string::npos);
+  const auto open = [](conceg_doc *doc) { testing::put_domain(doc, false); };
+  CHECK_EQUAL(run(true, true, {"dir=" + dir_of("none"), "to=ply", "tiles=1x2x1"}, &error, open),
+              CONCEG_E_PARAM);
+  CHECK(error.find("along y, where the box is open") != std::string::npos);
+  CHECK_EQUAL(run(true, true, {"dir=" + dir_of("none"), "form=extracellular"}, &error), CONCEG_E_PARAM);
+  CHECK_EQUAL(run(true, false, {"dir=" + dir_of("none"), "to=vtk", "form=extracellular"}, &error),
+              CONCEG_E_MISSING);
   CHECK(!fs::exists(dir_of("none")));
   std::ofstream(dir_of("plain")) << "x";
   CHECK_EQUAL(run(true, true, {"dir=" + dir_of("plain/below")}, &error), CONCEG_E_IO);
