@@ -22,30 +22,6 @@ constexpr double rim_um = 1e-7;
 constexpr double finest_voxel_um = 0.25; // finer ones hold fewer faces each, but more in all
 constexpr std::size_t chunk = 16384;
 
-typedef float Four __attribute__((vector_size(16)));
-typedef std::int32_t Mask __attribute__((vector_size(16)));
-#if defined(__clang__)
-#define LANES(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
-#else
-#define LANES(a, b, i, j, k, l) __builtin_shuffle(a, b, Mask{i, j, k, l})
-#endif
-// Rows of four floats, turned to columns.
-inline void columns(const float *p, const float *q, const float *r, const float *s, Four &x, Four &y, Four &z,
-                    Four &w) {
-  Four a, b, c, d;
-  __builtin_memcpy(&a, p, 16), __builtin_memcpy(&b, q, 16), __builtin_memcpy(&c, r, 16),
-      __builtin_memcpy(&d, s, 16);
-  const Four ab_low = LANES(a, b, 0, 4, 1, 5), ab_high = LANES(a, b, 2, 6, 3, 7);
-  const Four cd_low = LANES(c, d, 0, 4, 1, 5), cd_high = LANES(c, d, 2, 6, 3, 7);
-  x = LANES(ab_low, cd_low, 0, 1, 4, 5), y = LANES(ab_low, cd_low, 2, 3, 6, 7);
-  z = LANES(ab_high, cd_high, 0, 1, 4, 5), w = LANES(ab_high, cd_high, 2, 3, 6, 7);
-}
-inline bool any(const Mask &mask) {
-  std::uint64_t halves[2];
-  __builtin_memcpy(halves, &mask, sizeof halves);
-  return (halves[0] | halves[1]) != 0;
-}
-
 } // namespace
 
 Walls::Walls(const conceg_box &box, const Membranes &membranes, double reach_um, Workers &workers,
@@ -92,6 +68,7 @@ void Walls::choose_grid(std::size_t faces) {
   for (int axis = 0; axis < 3; axis++)
     blocks_[axis] = (static_cast<std::size_t>(count_[axis]) + 1) / 2,
     fine_count_[axis] = static_cast<std::size_t>(count_[axis]) * static_cast<std::size_t>(fine_factor_);
+  bytes_ = ByteScale(0.5 * edge_ + reach_ + 4.0 * clearance_um);
   room_unit_um_ = 1.0001 * (0.5 * glm::length(edge_) + reach_), room_scale_ = Room::steps / room_unit_um_;
 }
 
@@ -178,8 +155,7 @@ std::vector<Walls::Entry> Walls::entries(std::size_t begin, std::size_t end) con
   return found;
 }
 
-// What is near in space comes to be near in memory: by the interleaved bits of its place. Then the float
-// copies.
+// What is near in space comes to be near in memory: by the interleaved bits of its place.
 void Walls::sort_images() {
   const auto spread_bits = [](std::uint64_t x) {
     std::uint64_t out = 0;
@@ -200,25 +176,6 @@ void Walls::sort_images() {
   for (std::size_t f = 0; f < order.size(); f++)
     sorted[f] = faces_[order[f].second];
   faces_.swap(sorted);
-
-  double largest = reach_;
-  for (int axis = 0; axis < 3; axis++)
-    largest = std::max({largest, std::fabs(low_[axis]), std::fabs(low_[axis] + count_[axis] * edge_[axis])});
-  margin_um_ = static_cast<float>(16.0 * largest * 0x1p-23);
-  disc_.assign(faces_.size() + 1, Disc());
-  for (std::size_t f = 0; f < faces_.size(); f++) {
-    const Face &face = faces_[f];
-    const std::array<glm::dvec3, 3> p = corners(face);
-    const glm::dvec3 middle = (p[0] + p[1] + p[2]) / 3.0;
-    const double radius =
-        std::max({glm::length(p[0] - middle), glm::length(p[1] - middle), glm::length(p[2] - middle)});
-    Disc &d = disc_[f];
-    for (int axis = 0; axis < 3; axis++)
-      d.normal[axis] = static_cast<float>(face.normal[axis]),
-      d.centre[axis] = static_cast<float>(middle[axis]);
-    d.offset = static_cast<float>(face.offset),
-    d.radius = static_cast<float>(radius + 2.0 * clearance_um) + margin_um_;
-  }
 }
 
 void Walls::fill_voxels(Workers &workers, const Progress &progress) {
@@ -245,19 +202,21 @@ void Walls::fill_voxels(Workers &workers, const Progress &progress) {
   std::uint32_t rooms = 0;
   for (std::size_t v = 0; v < voxels; v++) {
     voxel_[v].begin = static_cast<std::uint32_t>(total), voxel_[v].room = rooms;
-    total += (many[v] + 3) / 4, rooms += many[v] > 0;
+    total += (many[v] + 7) / 8, rooms += many[v] > 0;
   }
   if (total >= Contact::none)
-    fail(CONCEG_E_UNSUPPORTED, "walls: expected fewer than 2^34 faces in all voxels together, got %llu",
-         static_cast<unsigned long long>(4 * total));
+    fail(CONCEG_E_UNSUPPORTED, "walls: expected fewer than 2^35 faces in all voxels together, got %llu",
+         static_cast<unsigned long long>(8 * total));
   voxel_[voxels].begin = static_cast<std::uint32_t>(total);
   for (HugeVector<Room> &side : room_)
     side.resize(rooms);
-  list_.assign(4 * total, static_cast<std::uint32_t>(faces_.size()));
+  list_.resize(total);
   std::fill(many.begin(), many.end(), 0u);
   for (std::vector<Entry> &part : found) {
-    for (const Entry &e : part)
-      list_[4 * std::size_t{voxel_[e.voxel].begin} + many[e.voxel]++] = e.face;
+    for (const Entry &e : part) {
+      const std::uint32_t k = many[e.voxel]++;
+      list_[voxel_[e.voxel].begin + k / 8].face[k % 8] = e.face;
+    }
     std::vector<Entry>().swap(part);
   }
   report(progress, "sorting faces into voxels", 1, 3);
@@ -276,12 +235,17 @@ void Walls::fill_rooms(Workers &workers) {
       if (voxel_[v].begin == voxel_[v + 1].begin) continue;
       const glm::dvec3 middle = voxel_centre(voxel_place(v));
       builder.clear();
-      for (std::size_t i = 4 * std::size_t{voxel_[v].begin}; i < 4 * std::size_t{voxel_[v + 1].begin}; i++) {
-        if (list_[i] == faces_.size()) continue;
-        const Face &face = faces_[list_[i]];
-        const std::array<glm::dvec3, 3> p = corners(face);
-        builder.add({p[0] - middle, p[1] - middle, p[2] - middle}, face.normal);
-      }
+      for (std::size_t i = voxel_[v].begin; i < voxel_[v + 1].begin; i++)
+        for (int k = 0; k < 8; k++) {
+          const std::uint32_t f = list_[i].face[k];
+          if (f == Contact::none) break;
+          std::array<glm::dvec3, 3> p = corners(faces_[f]);
+          for (glm::dvec3 &corner : p)
+            corner -= middle;
+          list_[i].set(k, f, bytes_, glm::min(p[0], glm::min(p[1], p[2])) - 2.0 * clearance_um,
+                       glm::max(p[0], glm::max(p[1], p[2])) + 2.0 * clearance_um);
+          builder.add(p, faces_[f].normal);
+        }
       builder.build(room_[0][voxel_[v].room], room_[1][voxel_[v].room]);
     }
   });
@@ -337,46 +301,13 @@ bool Walls::inside(const Face &face, const glm::dvec3 &point) const {
 Contact Walls::first_contact(const Spot &spot, const glm::dvec3 &place, const glm::dvec3 &move) const {
   Contact contact;
   if (!spot.known) return contact;
-  const auto spread = [](double x) {
-    const float f = static_cast<float>(x);
-    return Four{f, f, f, f};
-  };
-  const Four px = spread(place.x), py = spread(place.y), pz = spread(place.z);
-  const Four mx = spread(move.x), my = spread(move.y), mz = spread(move.z);
-  const Four hx = spread(place.x + 0.5 * move.x), hy = spread(place.y + 0.5 * move.y),
-             hz = spread(place.z + 0.5 * move.z);
-  const Four half = spread(0.5 * glm::length(move) + 2.0 * static_cast<double>(margin_um_));
-  const Four margin = spread(static_cast<double>(margin_um_)), minus_margin = -margin;
-  // Whether a move that is not along the plane crosses it outside the ball. A height is off by at most the
-  // margin, so that the point is off by margin / |along| of the move: less than the slack.
-  const glm::vec3 from(place), way(move);
-  const float least = 100.0f * margin_um_, slack = 0.02f * glm::length(way) + 2.0f * margin_um_;
-  const auto misses = [&](const Disc &d, float before, float along) {
-    if (std::fabs(along) < least) return false;
-    const glm::vec3 off = from - (before / along) * way - glm::vec3(d.centre[0], d.centre[1], d.centre[2]);
-    return glm::dot(off, off) > (d.radius + slack) * (d.radius + slack);
-  };
+  const ByteMove ends(bytes_, spot.from_centre, spot.from_centre + move);
   double crossing = 1.0;
-  const std::uint32_t *const end = list_.data() + 4 * std::size_t{voxel_[spot.voxel + 1].begin};
-  for (const std::uint32_t *four = list_.data() + 4 * std::size_t{voxel_[spot.voxel].begin}; four != end;
-       four += 4) {
-    Four x, y, z, w;
-    // Balls around the faces that the ball around the move meets.
-    columns(disc_[four[0]].centre, disc_[four[1]].centre, disc_[four[2]].centre, disc_[four[3]].centre, x, y,
-            z, w);
-    x -= hx, y -= hy, z -= hz, w += half;
-    const Mask near = x * x + y * y + z * z <= w * w;
-    // Planes that the move crosses, or touches within the margin: not both ends above or both below.
-    columns(disc_[four[0]].normal, disc_[four[1]].normal, disc_[four[2]].normal, disc_[four[3]].normal, x, y,
-            z, w);
-    const Four before = x * px + y * py + z * pz - w, along = x * mx + y * my + z * mz,
-               after = before + along;
-    const Mask met =
-        near & ~(((before > margin) & (after > margin)) | ((before < minus_margin) & (after < minus_margin)));
-    if (!any(met)) continue;
-    for (int lane = 0; lane < 4; lane++) {
-      if (!met[lane] || misses(disc_[four[lane]], before[lane], along[lane])) continue;
-      const Face &face = faces_[four[lane]];
+  const EightBoxes *const last = list_.data() + voxel_[spot.voxel + 1].begin;
+  for (const EightBoxes *eight = list_.data() + voxel_[spot.voxel].begin; eight != last; eight++)
+    for (unsigned met = eight->met(ends); met != 0; met &= met - 1) {
+      const std::uint32_t f = eight->face[__builtin_ctz(met)];
+      const Face &face = faces_[f];
       const double height = glm::dot(face.normal, place) - face.offset, speed = glm::dot(face.normal, move);
       if (height * speed >= 0.0) continue; // it moves away
       const double over = std::fabs(height), towards = std::fabs(speed);
@@ -386,11 +317,10 @@ Contact Walls::first_contact(const Spot &spot, const glm::dvec3 &place, const gl
       if (contact.face != Contact::none && at >= crossing) continue;
       if (!inside(face, place + at * move)) continue;
       crossing = at;
-      contact.face = four[lane];
+      contact.face = f;
       contact.at = std::max(0.0, (over - clearance_um) / towards);
       contact.normal = face.normal;
     }
-  }
   return contact;
 }
 
@@ -412,10 +342,10 @@ std::uint8_t Walls::nearest_code(const glm::dvec3 &place) const {
           if (std::max({std::abs(x - middle.x), std::abs(y - middle.y), std::abs(z - middle.z)}) != ring)
             continue;
           const std::size_t v = voxel_index(x, y, z);
-          for (std::size_t i = 4 * std::size_t{voxel_[v].begin}; i < 4 * std::size_t{voxel_[v + 1].begin};
+          for (std::size_t i = 8 * std::size_t{voxel_[v].begin}; i < 8 * std::size_t{voxel_[v + 1].begin};
                i++) {
-            const std::uint32_t f = list_[i];
-            if (f == faces_.size()) continue;
+            const std::uint32_t f = list_[i / 8].face[i % 8];
+            if (f == Contact::none) break;
             const std::array<glm::dvec3, 3> p = corners(faces_[f]);
             const double squared = squared_distance(place, p[0], p[1], p[2]);
             if (squared > nearest || (squared == nearest && f >= best)) continue;
@@ -428,7 +358,7 @@ std::uint8_t Walls::nearest_code(const glm::dvec3 &place) const {
 
 std::uint64_t Walls::bytes() const {
   return vertex_.size() * sizeof vertex_[0] + faces_.size() * sizeof faces_[0] +
-         disc_.size() * sizeof disc_[0] + list_.size() * sizeof list_[0] + voxel_.size() * sizeof voxel_[0] +
+         list_.size() * sizeof list_[0] + voxel_.size() * sizeof voxel_[0] +
          2 * room_[0].size() * sizeof(Room) + free_.size();
 }
 

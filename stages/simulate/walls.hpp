@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The membranes as a walker meets them: the box is cut into voxels, and each lists the triangle images that a
-// move from within it can meet, so that one look finds all candidates; planes in float dismiss most of them,
+// move from within it can meet, so that one look finds all candidates; boxes in bytes dismiss most of them,
 // our own double arithmetic decides about the rest. Each voxel also has convex rooms in which nothing is met,
 // and a finer grid knows how far the nearest membrane is at least.
 #pragma once
 
+#include "boxes.hpp"
 #include "huge.hpp"
 #include "parallel.hpp"
 #include "rooms.hpp"
@@ -128,14 +129,8 @@ private:
     glm::uvec3 corner;
     std::uint32_t source, lift;
   };
-  // The same in float, for the test that dismisses most candidates: its plane and a ball around it. Kept
-  // apart, so that what is near in space is near in memory and little of it is read.
-  struct alignas(32) Disc {
-    float normal[3] = {0.0f, 0.0f, 0.0f}, offset = 1e30f; // as it is: never crossed
-    float centre[3] = {0.0f, 0.0f, 0.0f}, radius = 0.0f;
-  };
   struct Voxel {
-    std::uint32_t begin = 0; // its faces: four times begin .. begin of the next voxel
+    std::uint32_t begin = 0; // its faces: eights begin .. begin of the next voxel
     std::uint32_t room = 0;  // its pair of rooms, where it has faces
   };
   struct Entry {
@@ -207,9 +202,8 @@ private:
   double room_unit_um_ = 1.0, room_scale_ = 1.0;
   HugeVector<std::uint8_t>
       free_;              // of each fine voxel: lower bound of the distance from its centre to a membrane
-  HugeVector<Disc> disc_; // one more than there are faces
-  HugeVector<std::uint32_t> list_; // of each voxel, filled up to fours by the disc that is never crossed
-  float margin_um_ = 0.0f;         // above the rounding of the float test
+  ByteScale bytes_;
+  HugeVector<EightBoxes> list_; // of each voxel, filled up to eights by Contact::none
   std::vector<std::uint8_t> code_; // of the source faces
 };
 
