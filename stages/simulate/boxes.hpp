@@ -14,8 +14,8 @@
 
 namespace conceg::simulate {
 
-// Coordinates from a voxel's centre as bytes: all within `span` of it, rounded down. Two intervals that meet do
-// so in bytes as well, as rounding keeps order; what lies beyond the span is taken to its end.
+// Coordinates from a voxel's centre as bytes: all within `span` of it, rounded down. Two intervals that meet
+// do so in bytes as well, as rounding keeps order; what lies beyond the span is taken to its end.
 struct ByteScale {
   glm::dvec3 span{1.0}, steps{1.0}; // um; bytes per um
   explicit ByteScale(const glm::dvec3 &span_um) : span(span_um), steps(255.99 / (2.0 * span_um)) {}
@@ -38,7 +38,8 @@ struct alignas(16) ByteMove {
                                          _mm_set1_epi8(static_cast<char>(255 - low))));
 #else
       for (int k = 0; k < 8; k++)
-        end[axis][k] = static_cast<std::uint8_t>(high), end[axis][8 + k] = static_cast<std::uint8_t>(255 - low);
+        end[axis][k] = static_cast<std::uint8_t>(high),
+        end[axis][8 + k] = static_cast<std::uint8_t>(255 - low);
 #endif
     }
   }

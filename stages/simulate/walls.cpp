@@ -19,7 +19,7 @@ constexpr double fine_limit =
     33554432.0; // 2^25 voxels; above, distances are kept for them and not for finer ones
 // A face reaches this far (um) beyond its edges, so that rounding opens no gap between two that share one.
 constexpr double rim_um = 1e-7;
-constexpr double finest_voxel_um = 0.25; // finer ones hold fewer faces each, but more in all
+constexpr double finest_voxel_um = 0.3; // finer ones hold fewer faces each, but more in all
 constexpr std::size_t chunk = 16384;
 
 } // namespace
@@ -31,7 +31,7 @@ Walls::Walls(const conceg_box &box, const Membranes &membranes, double reach_um,
   vertex_ = membranes.vertex, code_ = membranes.code;
   choose_grid(membranes.face.size());
   list_images(membranes);
-  sort_images();
+  sort_images(workers);
   fill_voxels(workers, progress);
 }
 
@@ -84,18 +84,13 @@ void Walls::list_images(const Membranes &membranes) {
   for (std::uint32_t f = 0; f < membranes.face.size(); f++) {
     const glm::uvec3 &corner = membranes.face[f];
     const glm::dvec3 &a = vertex_[corner.x], &b = vertex_[corner.y], &c = vertex_[corner.z];
-    const glm::dvec3 product = glm::cross(b - a, c - a);
-    const double twice_area = glm::length(product);
-    if (!(twice_area > 0.0)) continue; // no area: its neighbours share its edges
-    const glm::dvec3 normal = product / twice_area;
+    if (!(glm::length(glm::cross(b - a, c - a)) > 0.0)) continue; // no area: its neighbours share its edges
     for_each_lift(box_, glm::min(a, glm::min(b, c)) - rim, glm::max(a, glm::max(b, c)) + rim,
                   [&](const glm::ivec3 &at) {
                     const auto [found, added] =
                         known.insert({{at.x, at.y, at.z}, static_cast<std::uint32_t>(lift_.size())});
                     if (added) lift_.push_back(glm::dvec3(at) * side_);
-                    Face face{normal, 0.0, corner, f, found->second};
-                    face.offset = glm::dot(normal, corners(face)[0]);
-                    faces_.push_back(face);
+                    faces_.push_back({corner, f, found->second});
                   });
   }
   if (faces_.size() >= Contact::none)
@@ -104,18 +99,18 @@ void Walls::list_images(const Membranes &membranes) {
 
 // Bits of the fine voxels, of the voxel around `middle`, that a face between `low` and `high` (widened by at
 // least the reach) may cross.
-unsigned Walls::touched_parts(const Face &face, const glm::dvec3 &middle, const glm::dvec3 &low,
+unsigned Walls::touched_parts(const Plane &plane, const glm::dvec3 &middle, const glm::dvec3 &low,
                               const glm::dvec3 &high) const {
   if (fine_factor_ == 1) return 1u;
   const glm::dvec3 quarter = 0.25 * edge_, narrowed = glm::dvec3(reach_) - quarter;
-  const double across = 1.001 * glm::dot(glm::abs(face.normal), quarter);
+  const double across = 1.001 * glm::dot(glm::abs(plane.normal), quarter);
   unsigned touched = 0;
   for (unsigned part = 0; part < 8; part++) {
     const glm::dvec3 at = middle + quarter * glm::dvec3((part & 1u) ? 1.0 : -1.0, (part & 2u) ? 1.0 : -1.0,
                                                         (part & 4u) ? 1.0 : -1.0);
     const bool within = glm::all(glm::greaterThanEqual(at, low + narrowed)) &&
                         glm::all(glm::lessThanEqual(at, high - narrowed));
-    if (within && std::fabs(glm::dot(face.normal, at) - face.offset) <= across) touched |= 1u << part;
+    if (within && std::fabs(glm::dot(plane.normal, at) - plane.offset) <= across) touched |= 1u << part;
   }
   return touched;
 }
@@ -127,11 +122,11 @@ std::vector<Walls::Entry> Walls::entries(std::size_t begin, std::size_t end) con
   const glm::dvec3 rim(reach_ + 2.0 * clearance_um);
   const double half_diagonal = 0.5005 * glm::length(edge_);
   for (std::size_t f = begin; f < end; f++) {
-    const Face &face = faces_[f];
-    const std::array<glm::dvec3, 3> p = corners(face);
+    const Plane &plane = plane_[f];
+    const std::array<glm::dvec3, 3> p = corners(faces_[f]);
     const glm::dvec3 low = glm::min(p[0], glm::min(p[1], p[2])) - rim,
                      high = glm::max(p[0], glm::max(p[1], p[2])) + rim;
-    const double plane = 0.5 * glm::dot(glm::abs(face.normal), edge_) + reach_ + 2.0 * clearance_um;
+    const double across = 0.5 * glm::dot(glm::abs(plane.normal), edge_) + reach_ + 2.0 * clearance_um;
     glm::ivec3 from, to;
     bool meets = true;
     for (int axis = 0; axis < 3; axis++) {
@@ -143,11 +138,11 @@ std::vector<Walls::Entry> Walls::entries(std::size_t begin, std::size_t end) con
       for (int y = from.y; y <= to.y; y++)
         for (int x = from.x; x <= to.x; x++) {
           const glm::dvec3 middle = voxel_centre({x, y, z});
-          if (std::fabs(glm::dot(face.normal, middle) - face.offset) > plane) continue;
+          if (std::fabs(glm::dot(plane.normal, middle) - plane.offset) > across) continue;
           const double squared = squared_distance(middle, p[0], p[1], p[2]);
           if (squared > around * around) continue;
           const unsigned touched =
-              squared <= half_diagonal * half_diagonal ? touched_parts(face, middle, low, high) : 0u;
+              squared <= half_diagonal * half_diagonal ? touched_parts(plane, middle, low, high) : 0u;
           found.push_back({static_cast<std::uint32_t>(voxel_index(x, y, z)), static_cast<std::uint32_t>(f),
                            static_cast<std::uint8_t>(touched)});
         }
@@ -155,8 +150,8 @@ std::vector<Walls::Entry> Walls::entries(std::size_t begin, std::size_t end) con
   return found;
 }
 
-// What is near in space comes to be near in memory: by the interleaved bits of its place.
-void Walls::sort_images() {
+// What is near in space comes to be near in memory: by the interleaved bits of its place. Then the planes.
+void Walls::sort_images(Workers &workers) {
   const auto spread_bits = [](std::uint64_t x) {
     std::uint64_t out = 0;
     for (int bit = 0; bit < 21; bit++)
@@ -164,18 +159,33 @@ void Walls::sort_images() {
     return out;
   };
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order(faces_.size());
-  for (std::size_t f = 0; f < faces_.size(); f++) {
+  const auto for_each_face = [&](const auto &work) {
+    workers.loop((faces_.size() + chunk - 1) / chunk, 1, [&](std::size_t c, unsigned) {
+      for (std::size_t f = c * chunk; f < std::min(faces_.size(), (c + 1) * chunk); f++)
+        work(f);
+    });
+  };
+  for_each_face([&](std::size_t f) {
     const glm::dvec3 p = corners(faces_[f])[0];
     std::uint64_t key = 0;
     for (int axis = 0; axis < 3; axis++)
-      key |= spread_bits(static_cast<std::uint64_t>(index_on(axis, p[axis]))) << axis;
+      key |= spread_bits(static_cast<std::uint64_t>(
+                 std::max(0.0, (p[axis] - low_[axis] + side_[axis]) * scale_[axis] * 8.0)))
+             << axis;
     order[f] = {key, static_cast<std::uint32_t>(f)};
-  }
+  });
   std::sort(order.begin(), order.end());
   HugeVector<Face> sorted(faces_.size());
   for (std::size_t f = 0; f < order.size(); f++)
     sorted[f] = faces_[order[f].second];
   faces_.swap(sorted);
+  plane_.resize(faces_.size()), inner_.resize(faces_.size());
+  for_each_face([&](std::size_t f) {
+    const std::array<glm::dvec3, 3> p = corners(faces_[f]);
+    const glm::dvec3 normal = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
+    plane_[f] = {normal, glm::dot(normal, p[0])};
+    inner_[f] = inner_of(p, normal);
+  });
 }
 
 void Walls::fill_voxels(Workers &workers, const Progress &progress) {
@@ -244,7 +254,7 @@ void Walls::fill_rooms(Workers &workers) {
             corner -= middle;
           list_[i].set(k, f, bytes_, glm::min(p[0], glm::min(p[1], p[2])) - 2.0 * clearance_um,
                        glm::max(p[0], glm::max(p[1], p[2])) + 2.0 * clearance_um);
-          builder.add(p, faces_[f].normal);
+          builder.add(p, plane_[f].normal);
         }
       builder.build(room_[0][voxel_[v].room], room_[1][voxel_[v].room]);
     }
@@ -287,40 +297,69 @@ double Walls::outside_radius(const glm::dvec3 &place) const {
   return reach_ + std::sqrt(squared);
 }
 
-// On the face, up to rim_um beyond its edges; the point lies in its plane.
-bool Walls::inside(const Face &face, const glm::dvec3 &point) const {
-  const std::array<glm::dvec3, 3> p = corners(face);
-  for (std::size_t k = 0; k < 3; k++) {
-    const glm::dvec3 edge = p[(k + 1) % 3] - p[k];
-    const double height = glm::dot(glm::cross(edge, point - p[k]), face.normal);
-    if (height < 0.0 && height * height > rim_um * rim_um * glm::dot(edge, edge)) return false;
+// The coordinate of a corner falls from 1 to 0 on the way to the opposite edge.
+Walls::Inner Walls::inner_of(const std::array<glm::dvec3, 3> &corner, const glm::dvec3 &normal) {
+  Inner inner;
+  const double twice_area = glm::dot(glm::cross(corner[1] - corner[0], corner[2] - corner[0]), normal);
+  for (std::size_t k = 0; k < 2; k++) {
+    const glm::dvec3 &from = corner[(k + 1) % 3], edge = corner[(k + 2) % 3] - from;
+    inner.gradient[k] = glm::cross(normal, edge) / twice_area;
+    inner.offset[k] = glm::dot(inner.gradient[k], from);
   }
-  return true;
+  return inner;
 }
 
+// On the face, up to rim_um beyond its edges; the point lies in its plane.
+bool Walls::inside(const Inner &face, const glm::dvec3 &point) {
+  // A coordinate is the way to the edge over the height, which is 1 / |gradient|.
+  const auto beyond = [](double coordinate, const glm::dvec3 &gradient) {
+    return (coordinate < 0.0) & (coordinate * coordinate > rim_um * rim_um * glm::dot(gradient, gradient));
+  };
+  const double first = glm::dot(face.gradient[0], point) - face.offset[0],
+               second = glm::dot(face.gradient[1], point) - face.offset[1];
+  return !(beyond(first, face.gradient[0]) | beyond(second, face.gradient[1]) |
+           beyond(1.0 - first - second, face.gradient[0] + face.gradient[1]));
+}
+
+// Candidates are found, and those whose plane is crossed kept, without a branch on either: such branches
+// cannot be foreseen, and a wrong guess costs more than the sums.
 Contact Walls::first_contact(const Spot &spot, const glm::dvec3 &place, const glm::dvec3 &move) const {
   Contact contact;
   if (!spot.known) return contact;
   const ByteMove ends(bytes_, spot.from_centre, spot.from_centre + move);
   double crossing = 1.0;
   const EightBoxes *const last = list_.data() + voxel_[spot.voxel + 1].begin;
-  for (const EightBoxes *eight = list_.data() + voxel_[spot.voxel].begin; eight != last; eight++)
-    for (unsigned met = eight->met(ends); met != 0; met &= met - 1) {
-      const std::uint32_t f = eight->face[__builtin_ctz(met)];
-      const Face &face = faces_[f];
-      const double height = glm::dot(face.normal, place) - face.offset, speed = glm::dot(face.normal, move);
-      if (height * speed >= 0.0) continue; // it moves away
-      const double over = std::fabs(height), towards = std::fabs(speed);
-      if (over > crossing * towards + (contact.face == Contact::none ? clearance_um : 0.0)) continue;
+  for (const EightBoxes *eight = list_.data() + voxel_[spot.voxel].begin; eight < last; eight += 8) {
+    std::uint64_t met = 0;
+    const std::size_t many = std::min<std::size_t>(8, static_cast<std::size_t>(last - eight));
+    for (std::size_t i = 0; i < many; i++)
+      met |= std::uint64_t{eight[i].met(ends)} << (8 * i);
+    struct {
+      double over, towards;
+      std::uint32_t face;
+    } crossed[64];
+    std::size_t count = 0;
+    for (; met != 0; met &= met - 1) {
+      const int bit = __builtin_ctzll(met);
+      const std::uint32_t f = eight[bit >> 3].face[bit & 7];
+      const Plane &plane = plane_[f];
+      const double height = glm::dot(plane.normal, place) - plane.offset,
+                   speed = glm::dot(plane.normal, move), over = std::fabs(height), towards = std::fabs(speed);
+      crossed[count] = {over, towards, f};
+      count += static_cast<std::size_t>((height * speed < 0.0) & (over <= towards + clearance_um));
+    }
+    for (std::size_t i = 0; i < count; i++) {
+      const auto [over, towards, f] = crossed[i];
       const double at = over / towards;
       // Of faces met at the same point the first in the list, which is in ascending order.
       if (contact.face != Contact::none && at >= crossing) continue;
-      if (!inside(face, place + at * move)) continue;
+      if (!inside(inner_[f], place + at * move)) continue;
       crossing = at;
       contact.face = f;
       contact.at = std::max(0.0, (over - clearance_um) / towards);
-      contact.normal = face.normal;
     }
+  }
+  if (contact.face != Contact::none) contact.normal = plane_[contact.face].normal;
   return contact;
 }
 
@@ -357,7 +396,7 @@ std::uint8_t Walls::nearest_code(const glm::dvec3 &place) const {
 }
 
 std::uint64_t Walls::bytes() const {
-  return vertex_.size() * sizeof vertex_[0] + faces_.size() * sizeof faces_[0] +
+  return vertex_.size() * sizeof vertex_[0] + faces_.size() * (sizeof(Face) + sizeof(Plane) + sizeof(Inner)) +
          list_.size() * sizeof list_[0] + voxel_.size() * sizeof voxel_[0] +
          2 * room_[0].size() * sizeof(Room) + free_.size();
 }
