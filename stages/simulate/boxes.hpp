@@ -14,14 +14,14 @@
 
 namespace conceg::simulate {
 
-// Coordinates from a voxel's centre as bytes: all within `span` of it, rounded down. Two intervals that meet
-// do so in bytes as well, as rounding keeps order; what lies beyond the span is taken to its end.
+// Coordinates from a voxel's centre as bytes below 255: all within `span` of it, rounded down. Two intervals
+// that meet do so in bytes as well, as rounding keeps order; what lies beyond the span is taken to its end.
 struct ByteScale {
   glm::dvec3 span{1.0}, steps{1.0}; // um; bytes per um
-  explicit ByteScale(const glm::dvec3 &span_um) : span(span_um), steps(255.99 / (2.0 * span_um)) {}
+  explicit ByteScale(const glm::dvec3 &span_um) : span(span_um), steps(254.99 / (2.0 * span_um)) {}
   ByteScale() = default;
   int byte(int axis, double from_centre) const {
-    return static_cast<int>(std::clamp((from_centre + span[axis]) * steps[axis], 0.0, 255.0));
+    return static_cast<int>(std::clamp((from_centre + span[axis]) * steps[axis], 0.0, 254.0));
   }
 };
 
@@ -45,12 +45,12 @@ struct alignas(16) ByteMove {
   }
 };
 
-// Boxes of eight faces; as it is, it holds none.
+// Boxes of eight faces. Cleared, their lower ends are above all others: no move meets them.
 struct alignas(16) EightBoxes {
   std::uint8_t end[3][16]; // per axis: lower ends, then 255 - upper ends
   static constexpr std::uint32_t none = ~0u;
   std::uint32_t face[8];
-  EightBoxes() {
+  void clear() {
     std::fill(&end[0][0], &end[0][0] + sizeof end, std::uint8_t{255});
     std::fill(face, face + 8, none);
   }

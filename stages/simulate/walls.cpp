@@ -221,6 +221,10 @@ void Walls::fill_voxels(Workers &workers, const Progress &progress) {
   for (HugeVector<Room> &side : room_)
     side.resize(rooms);
   list_.resize(total);
+  workers.loop((total + chunk - 1) / chunk, 1, [&](std::size_t c, unsigned) {
+    for (std::size_t i = c * chunk; i < std::min<std::size_t>(total, (c + 1) * chunk); i++)
+      list_[i].clear();
+  });
   std::fill(many.begin(), many.end(), 0u);
   for (std::vector<Entry> &part : found) {
     for (const Entry &e : part) {
