@@ -347,6 +347,7 @@ Contact Walls::first_contact(const Spot &spot, const glm::dvec3 &place, const gl
       const int bit = __builtin_ctzll(met);
       const std::uint32_t f = eight[bit >> 3].face[bit & 7];
       const Plane &plane = plane_[f];
+      __builtin_prefetch(&inner_[f]); // should the plane be crossed
       const double height = glm::dot(plane.normal, place) - plane.offset,
                    speed = glm::dot(plane.normal, move), over = std::fabs(height), towards = std::fabs(speed);
       crossed[count] = {over, towards, f};
