@@ -199,14 +199,18 @@ void Walls::fill_voxels(Workers &workers, const Progress &progress) {
 
   std::vector<std::uint32_t> many(voxels, 0);
   std::vector<std::uint8_t> touched(fine_count_[0] * fine_count_[1] * fine_count_[2], 0);
-  for (const std::vector<Entry> &part : found)
-    for (const Entry &e : part) {
-      many[e.voxel]++;
+  // Threads share the counters; which of them comes first decides only the order in a voxel's list, which is
+  // sorted later.
+  workers.loop(chunks, 1, [&](std::size_t c, unsigned) {
+    for (const Entry &e : found[c]) {
+      __atomic_fetch_add(&many[e.voxel], 1u, __ATOMIC_RELAXED);
       if (!e.touched) continue;
       const glm::ivec3 at = voxel_place(e.voxel);
       for (std::size_t bit = 0; bit < 8; bit++)
-        if (e.touched >> bit & 1) touched[fine_row(at, bit)] = 1;
+        if (e.touched >> bit & 1)
+          __atomic_store_n(&touched[fine_row(at, bit)], std::uint8_t{1}, __ATOMIC_RELAXED);
     }
+  });
   voxel_.resize(voxels + 1);
   std::uint64_t total = 0;
   std::uint32_t rooms = 0;
@@ -226,13 +230,13 @@ void Walls::fill_voxels(Workers &workers, const Progress &progress) {
       list_[i].clear();
   });
   std::fill(many.begin(), many.end(), 0u);
-  for (std::vector<Entry> &part : found) {
-    for (const Entry &e : part) {
-      const std::uint32_t k = many[e.voxel]++;
+  workers.loop(chunks, 1, [&](std::size_t c, unsigned) {
+    for (const Entry &e : found[c]) {
+      const std::uint32_t k = __atomic_fetch_add(&many[e.voxel], 1u, __ATOMIC_RELAXED);
       list_[voxel_[e.voxel].begin + k / 8].face[k % 8] = e.face;
     }
-    std::vector<Entry>().swap(part);
-  }
+    std::vector<Entry>().swap(found[c]);
+  });
   report(progress, "sorting faces into voxels", 1, 3);
   measure_distance(touched, workers);
   report(progress, "sorting faces into voxels", 2, 3);
@@ -240,26 +244,32 @@ void Walls::fill_voxels(Workers &workers, const Progress &progress) {
   report(progress, "sorting faces into voxels", 3, 3);
 }
 
+// Sorts the list of each voxel, and makes its boxes and rooms.
 void Walls::fill_rooms(Workers &workers) {
   const double half_diagonal = 0.5 * glm::length(edge_);
   constexpr std::size_t batch = 1024;
   workers.loop((voxels() + batch - 1) / batch, 1, [&](std::size_t b, unsigned) {
     RoomBuilder builder(room_unit_um_, half_diagonal);
+    std::vector<std::uint32_t> face;
     for (std::size_t v = b * batch; v < std::min(voxels(), (b + 1) * batch); v++) {
       if (voxel_[v].begin == voxel_[v + 1].begin) continue;
       const glm::dvec3 middle = voxel_centre(voxel_place(v));
-      builder.clear();
+      builder.clear(), face.clear();
       for (std::size_t i = voxel_[v].begin; i < voxel_[v + 1].begin; i++)
-        for (int k = 0; k < 8; k++) {
-          const std::uint32_t f = list_[i].face[k];
-          if (f == Contact::none) break;
-          std::array<glm::dvec3, 3> p = corners(faces_[f]);
-          for (glm::dvec3 &corner : p)
-            corner -= middle;
-          list_[i].set(k, f, bytes_, glm::min(p[0], glm::min(p[1], p[2])) - 2.0 * clearance_um,
-                       glm::max(p[0], glm::max(p[1], p[2])) + 2.0 * clearance_um);
-          builder.add(p, plane_[f].normal);
-        }
+        face.insert(face.end(), list_[i].face, list_[i].face + 8);
+      std::sort(face.begin(), face.end()); // Contact::none last
+      for (std::size_t i = 0; i < face.size(); i++) {
+        EightBoxes &eight = list_[voxel_[v].begin + i / 8];
+        eight.face[i % 8] = face[i];
+        if (face[i] == Contact::none) continue;
+        std::array<glm::dvec3, 3> p = corners(faces_[face[i]]);
+        for (glm::dvec3 &corner : p)
+          corner -= middle;
+        eight.set(static_cast<int>(i % 8), face[i], bytes_,
+                  glm::min(p[0], glm::min(p[1], p[2])) - 2.0 * clearance_um,
+                  glm::max(p[0], glm::max(p[1], p[2])) + 2.0 * clearance_um);
+        builder.add(p, plane_[face[i]].normal);
+      }
       builder.build(room_[0][voxel_[v].room], room_[1][voxel_[v].room]);
     }
   });
