@@ -324,7 +324,7 @@ Walls::Inner Walls::inner_of(const std::array<glm::dvec3, 3> &corner, const glm:
 }
 
 // On the face, up to rim_um beyond its edges; the point lies in its plane.
-bool Walls::inside(const Inner &face, const glm::dvec3 &point) {
+[[gnu::always_inline]] inline bool Walls::inside(const Inner &face, const glm::dvec3 &point) {
   // A coordinate is the way to the edge over the height, which is 1 / |gradient|.
   const auto beyond = [](double coordinate, const glm::dvec3 &gradient) {
     return (coordinate < 0.0) & (coordinate * coordinate > rim_um * rim_um * glm::dot(gradient, gradient));
