@@ -327,12 +327,13 @@ Walls::Inner Walls::inner_of(const std::array<glm::dvec3, 3> &corner, const glm:
 [[gnu::always_inline]] inline bool Walls::inside(const Inner &face, const glm::dvec3 &point) {
   // A coordinate is the way to the edge over the height, which is 1 / |gradient|.
   const auto beyond = [](double coordinate, const glm::dvec3 &gradient) {
-    return (coordinate < 0.0) & (coordinate * coordinate > rim_um * rim_um * glm::dot(gradient, gradient));
+    const double square = rim_um * rim_um * glm::dot(gradient, gradient);
+    return static_cast<unsigned>(coordinate < 0.0) & static_cast<unsigned>(coordinate * coordinate > square);
   };
   const double first = glm::dot(face.gradient[0], point) - face.offset[0],
                second = glm::dot(face.gradient[1], point) - face.offset[1];
-  return !(beyond(first, face.gradient[0]) | beyond(second, face.gradient[1]) |
-           beyond(1.0 - first - second, face.gradient[0] + face.gradient[1]));
+  return (beyond(first, face.gradient[0]) | beyond(second, face.gradient[1]) |
+          beyond(1.0 - first - second, face.gradient[0] + face.gradient[1])) == 0;
 }
 
 // Candidates are found, and those whose plane is crossed kept, without a branch on either: such branches
