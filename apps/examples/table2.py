@@ -2,15 +2,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The paper's Table 2 beside fits of conceg: for each layer the truth of the geometry and what SANDI makes of the signal.
 
-    table2.py LAYER3 LAYER4 LAYER5 [--kernel gpd|exact] [--neurite free|held]
+    table2.py LAYER3 LAYER4 LAYER5 [--kernel gpd|exact] [--neurite free|held] [--errors]
+    table2.py --run FOLDER [--side-um 60] [--walkers 100000] [--margin-um 0]
 
-Each folder holds the tables that `conceg fit --csv FOLDER` wrote for a block of that layer (apps/recipes/layer3.yaml and its
-fellows); - stands for a layer without fits. Of several fits to a signal the first one of the kernel, with the neurites' diffusivity free or
-held, is shown. Needs nothing but Python."""
+--run makes all of it in FOLDER first: the blocks of apps/recipes/layer3.yaml and its fellows (layer3.cgx and so on, unless they are there),
+their signals, and the fits, with their tables in folders layer3, layer4 and layer5. Else each folder holds the tables that `conceg fit --csv
+FOLDER` wrote for a block of that layer; - stands for a layer without fits. Of several fits to a signal the first one of the kernel, with the
+neurites' diffusivity free or held, is shown. Needs nothing but Python."""
 import argparse
 import csv
 import pathlib
+import subprocess
 import sys
+
+recipes = pathlib.Path(__file__).resolve().parents[1] / "recipes"
 
 # f_soma % and R um of the intracellular fit; f_neurite, f_soma, f_extracellular % and R of the full one: truth, SANDI.
 paper = {
@@ -54,11 +59,14 @@ def true_value(name, signal, truth):
     return truth.get(name)
 
 
-def cells_of(layer, signal, row, truth):
+def cells_of(layer, signal, row, truth, errors):
     out = []
     for (_, name, scale), (true, sandi) in zip(columns[signal], paper[layer][signal]):
         digits = 0 if scale == 100 else 1
         ours = "-" if row is None else f"{scale * float(row[name]):.{digits + 1}f}"
+        if row is not None and errors:
+            error = "radius_error_um" if name == "radius_um" else name + "_error"
+            ours += f" +- {scale * float(row[error]):.{digits + 1}f}"
         value = true_value(name, signal, truth)
         known = "-" if value is None else f"{scale * value:.{digits + 1}f}"
         out.append(f"{true:.{digits}f} -> {sandi:.{digits}f} | {known} -> {ours}")
@@ -73,12 +81,47 @@ def print_table(signal, lines, asked):
         print("  " + "   ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip())
 
 
+def conceg(program, *words):
+    print("+", "conceg", *words, file=sys.stderr)
+    if subprocess.run([program, *map(str, words)]).returncode:
+        sys.exit(f"error: conceg {words[0]}: expected it to succeed")
+
+
+def run_layer(layer, folder, asked):
+    """Block, signal and fits of one layer; the folder of its tables."""
+    recipe, block, tables = folder / f"layer{layer}.yaml", folder / f"layer{layer}.cgx", folder / f"layer{layer}"
+    text = (recipes / recipe.name).read_text()
+    sizes = "size_um: [100, 100, 100]"
+    if text.count(sizes) != 1:
+        sys.exit(f"error: {recipes / recipe.name}: expected one line {sizes}")
+    recipe.write_text(text.replace(sizes, "size_um: [{0:g}, {0:g}, {0:g}]".format(asked.side_um)))
+    if not block.exists():
+        conceg(asked.conceg, "run", recipe, "--until", "mesh", "-q", "-o", block)
+    simulated, fitted = folder / "simulated.cgx", folder / "fitted.cgx"
+    conceg(asked.conceg, "simulate", block, "--walkers", asked.walkers, "--margin_um", asked.margin_um, "--csv", tables, "-o", simulated)
+    conceg(asked.conceg, "fit", simulated, "--variants=true", "-q", "--csv", tables, "-o", fitted)
+    simulated.unlink()
+    fitted.unlink()
+    return tables
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", nargs=3, metavar="LAYER")
+    parser.add_argument("folder", nargs="*", metavar="LAYER")
+    parser.add_argument("--run", type=pathlib.Path, metavar="FOLDER", help="make blocks, signals and fits here first")
+    parser.add_argument("--side-um", type=float, default=60, help="of the blocks of --run")
+    parser.add_argument("--walkers", type=int, default=100000, help="of --run, in each block")
+    parser.add_argument("--margin-um", type=float, default=0, help="of --run: walkers begin at least so far inside the block; the paper's 10")
+    parser.add_argument("--conceg", default="conceg", help="the program that --run starts")
+    parser.add_argument("--errors", action="store_true", help="show the standard errors of our fits")
     parser.add_argument("--kernel", choices=["gpd", "exact"], default="gpd")
     parser.add_argument("--neurite", choices=["free", "held"], default="free")
     asked = parser.parse_args()
+    if len(asked.folder) != (0 if asked.run else 3):
+        parser.error("expected three folders, or --run FOLDER")
+    if asked.run:
+        asked.run.mkdir(parents=True, exist_ok=True)
+        asked.folder = [run_layer(layer, asked.run, asked) for layer in (3, 4, 5)]
     lines = {"intra": [], "all": []}
     notes = []
     for layer, name in zip((3, 4, 5), asked.folder):
@@ -86,7 +129,7 @@ def main():
         rows, truth = ([], {}) if name == "-" else (rows_of(folder / "sandi.csv"), truth_of(folder))
         for signal in lines:
             row = chosen(rows, signal, asked.kernel, asked.neurite)
-            lines[signal].append([str(layer)] + cells_of(layer, signal, row, truth))
+            lines[signal].append([str(layer)] + cells_of(layer, signal, row, truth, asked.errors))
             if row is not None and row["at_bound"]:
                 notes.append(f"layer {layer}, {signal}: at a bound: {row['at_bound']}")
         if truth:

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <new>
+#include <utility>
 #include <vector>
 
 #if defined(__linux__)
@@ -31,6 +32,13 @@ template <class T> struct HugeAllocator {
   }
   void deallocate(T *memory, std::size_t count) {
     ::operator delete (memory, std::align_val_t{count * sizeof(T) < page ? 64 : page});
+  }
+  // What has no values of its own stays as it is, so that the threads that fill it touch its pages first.
+  template <class U> void construct(U *at) {
+    ::new (static_cast<void *>(at)) U;
+  }
+  template <class U, class... Values> void construct(U *at, Values &&...values) {
+    ::new (static_cast<void *>(at)) U(std::forward<Values>(values)...);
   }
   template <class U> bool operator==(const HugeAllocator<U> &) const {
     return true;

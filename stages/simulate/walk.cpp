@@ -67,6 +67,7 @@ private:
   bool with_area_ = false;
   glm::dvec3 area_ = glm::dvec3(0.0);                  // integral of the displacement, um ms
   double length_[2], jump_square_[2], jump_radius_[2]; // outside, inside
+  double reach_[2]; // longest piece of a jump that stays within the walls' reach where it goes on faster
   double inside_ms_ = 0.0;
 };
 
@@ -80,10 +81,12 @@ void Walker::begin_interval() {
   with_area_ = false, area_ = glm::dvec3(0.0);
   for (std::size_t k = 0; k < timeline_.shapes; k++)
     with_area_ |= timeline_.shape[k * intervals + interval_] != 0.0;
+  const double longest = std::max(step_length(physics_.intra, 1.0), step_length(physics_.extra, 1.0));
   const double jump_reach_here = physics_.permeability.empty() ? jump_reach : jump_reach_permeable;
   for (const bool inside : {false, true}) {
     const double d = medium(inside).diffusivity;
     length_[inside] = step_length(medium(inside), step_ms_);
+    reach_[inside] = walls_.reach_um() * (step_length(medium(inside), 1.0) / longest);
     jump_square_[inside] = jump_reach_here * jump_reach_here * 2.0 * d * step_ms_;
     jump_radius_[inside] = std::sqrt(jump_square_[inside] * static_cast<double>(least_jump)) + clearance_um;
   }
@@ -213,7 +216,8 @@ void Walker::advance(const glm::dvec3 &move, double time) {
 // hold against membranes.
 void Walker::travel(glm::dvec3 rest, double time) {
   for (double length; !state_.gone && (length = glm::length(rest)) > 0.0;) {
-    const double radius = walls_.free_radius(spot_, state_.place) - clearance_um, reach = walls_.reach_um();
+    const double radius = walls_.free_radius(spot_, state_.place) - clearance_um,
+                 reach = reach_[state_.inside];
     const double share = std::max(radius, reach) < length ? std::max(radius, reach) / length : 1.0;
     const glm::dvec3 piece = share * rest;
     rest = share < 1.0 ? rest - piece : glm::dvec3(0.0);

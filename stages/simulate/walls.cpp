@@ -19,32 +19,8 @@ constexpr double fine_limit =
     33554432.0; // 2^25 voxels; above, distances are kept for them and not for finer ones
 // A face reaches this far (um) beyond its edges, so that rounding opens no gap between two that share one.
 constexpr double rim_um = 1e-7;
-constexpr double finest_voxel_um = 0.25; // finer ones hold fewer faces each, but more in all
+constexpr double finest_voxel_um = 0.3; // finer ones hold fewer faces each, but more in all
 constexpr std::size_t chunk = 16384;
-
-typedef float Four __attribute__((vector_size(16)));
-typedef std::int32_t Mask __attribute__((vector_size(16)));
-#if defined(__clang__)
-#define LANES(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
-#else
-#define LANES(a, b, i, j, k, l) __builtin_shuffle(a, b, Mask{i, j, k, l})
-#endif
-// Rows of four floats, turned to columns.
-inline void columns(const float *p, const float *q, const float *r, const float *s, Four &x, Four &y, Four &z,
-                    Four &w) {
-  Four a, b, c, d;
-  __builtin_memcpy(&a, p, 16), __builtin_memcpy(&b, q, 16), __builtin_memcpy(&c, r, 16),
-      __builtin_memcpy(&d, s, 16);
-  const Four ab_low = LANES(a, b, 0, 4, 1, 5), ab_high = LANES(a, b, 2, 6, 3, 7);
-  const Four cd_low = LANES(c, d, 0, 4, 1, 5), cd_high = LANES(c, d, 2, 6, 3, 7);
-  x = LANES(ab_low, cd_low, 0, 1, 4, 5), y = LANES(ab_low, cd_low, 2, 3, 6, 7);
-  z = LANES(ab_high, cd_high, 0, 1, 4, 5), w = LANES(ab_high, cd_high, 2, 3, 6, 7);
-}
-inline bool any(const Mask &mask) {
-  std::uint64_t halves[2];
-  __builtin_memcpy(halves, &mask, sizeof halves);
-  return (halves[0] | halves[1]) != 0;
-}
 
 } // namespace
 
@@ -55,7 +31,7 @@ Walls::Walls(const conceg_box &box, const Membranes &membranes, double reach_um,
   vertex_ = membranes.vertex, code_ = membranes.code;
   choose_grid(membranes.face.size());
   list_images(membranes);
-  sort_images();
+  sort_images(workers);
   fill_voxels(workers, progress);
 }
 
@@ -92,6 +68,7 @@ void Walls::choose_grid(std::size_t faces) {
   for (int axis = 0; axis < 3; axis++)
     blocks_[axis] = (static_cast<std::size_t>(count_[axis]) + 1) / 2,
     fine_count_[axis] = static_cast<std::size_t>(count_[axis]) * static_cast<std::size_t>(fine_factor_);
+  bytes_ = ByteScale(0.5 * edge_ + reach_ + 4.0 * clearance_um);
   room_unit_um_ = 1.0001 * (0.5 * glm::length(edge_) + reach_), room_scale_ = Room::steps / room_unit_um_;
 }
 
@@ -107,18 +84,13 @@ void Walls::list_images(const Membranes &membranes) {
   for (std::uint32_t f = 0; f < membranes.face.size(); f++) {
     const glm::uvec3 &corner = membranes.face[f];
     const glm::dvec3 &a = vertex_[corner.x], &b = vertex_[corner.y], &c = vertex_[corner.z];
-    const glm::dvec3 product = glm::cross(b - a, c - a);
-    const double twice_area = glm::length(product);
-    if (!(twice_area > 0.0)) continue; // no area: its neighbours share its edges
-    const glm::dvec3 normal = product / twice_area;
+    if (!(glm::length(glm::cross(b - a, c - a)) > 0.0)) continue; // no area: its neighbours share its edges
     for_each_lift(box_, glm::min(a, glm::min(b, c)) - rim, glm::max(a, glm::max(b, c)) + rim,
                   [&](const glm::ivec3 &at) {
                     const auto [found, added] =
                         known.insert({{at.x, at.y, at.z}, static_cast<std::uint32_t>(lift_.size())});
                     if (added) lift_.push_back(glm::dvec3(at) * side_);
-                    Face face{normal, 0.0, corner, f, found->second};
-                    face.offset = glm::dot(normal, corners(face)[0]);
-                    faces_.push_back(face);
+                    faces_.push_back({corner, f, found->second});
                   });
   }
   if (faces_.size() >= Contact::none)
@@ -127,18 +99,18 @@ void Walls::list_images(const Membranes &membranes) {
 
 // Bits of the fine voxels, of the voxel around `middle`, that a face between `low` and `high` (widened by at
 // least the reach) may cross.
-unsigned Walls::touched_parts(const Face &face, const glm::dvec3 &middle, const glm::dvec3 &low,
+unsigned Walls::touched_parts(const Plane &plane, const glm::dvec3 &middle, const glm::dvec3 &low,
                               const glm::dvec3 &high) const {
   if (fine_factor_ == 1) return 1u;
   const glm::dvec3 quarter = 0.25 * edge_, narrowed = glm::dvec3(reach_) - quarter;
-  const double across = 1.001 * glm::dot(glm::abs(face.normal), quarter);
+  const double across = 1.001 * glm::dot(glm::abs(plane.normal), quarter);
   unsigned touched = 0;
   for (unsigned part = 0; part < 8; part++) {
     const glm::dvec3 at = middle + quarter * glm::dvec3((part & 1u) ? 1.0 : -1.0, (part & 2u) ? 1.0 : -1.0,
                                                         (part & 4u) ? 1.0 : -1.0);
     const bool within = glm::all(glm::greaterThanEqual(at, low + narrowed)) &&
                         glm::all(glm::lessThanEqual(at, high - narrowed));
-    if (within && std::fabs(glm::dot(face.normal, at) - face.offset) <= across) touched |= 1u << part;
+    if (within && std::fabs(glm::dot(plane.normal, at) - plane.offset) <= across) touched |= 1u << part;
   }
   return touched;
 }
@@ -150,11 +122,11 @@ std::vector<Walls::Entry> Walls::entries(std::size_t begin, std::size_t end) con
   const glm::dvec3 rim(reach_ + 2.0 * clearance_um);
   const double half_diagonal = 0.5005 * glm::length(edge_);
   for (std::size_t f = begin; f < end; f++) {
-    const Face &face = faces_[f];
-    const std::array<glm::dvec3, 3> p = corners(face);
+    const Plane &plane = plane_[f];
+    const std::array<glm::dvec3, 3> p = corners(faces_[f]);
     const glm::dvec3 low = glm::min(p[0], glm::min(p[1], p[2])) - rim,
                      high = glm::max(p[0], glm::max(p[1], p[2])) + rim;
-    const double plane = 0.5 * glm::dot(glm::abs(face.normal), edge_) + reach_ + 2.0 * clearance_um;
+    const double across = 0.5 * glm::dot(glm::abs(plane.normal), edge_) + reach_ + 2.0 * clearance_um;
     glm::ivec3 from, to;
     bool meets = true;
     for (int axis = 0; axis < 3; axis++) {
@@ -166,11 +138,11 @@ std::vector<Walls::Entry> Walls::entries(std::size_t begin, std::size_t end) con
       for (int y = from.y; y <= to.y; y++)
         for (int x = from.x; x <= to.x; x++) {
           const glm::dvec3 middle = voxel_centre({x, y, z});
-          if (std::fabs(glm::dot(face.normal, middle) - face.offset) > plane) continue;
+          if (std::fabs(glm::dot(plane.normal, middle) - plane.offset) > across) continue;
           const double squared = squared_distance(middle, p[0], p[1], p[2]);
           if (squared > around * around) continue;
           const unsigned touched =
-              squared <= half_diagonal * half_diagonal ? touched_parts(face, middle, low, high) : 0u;
+              squared <= half_diagonal * half_diagonal ? touched_parts(plane, middle, low, high) : 0u;
           found.push_back({static_cast<std::uint32_t>(voxel_index(x, y, z)), static_cast<std::uint32_t>(f),
                            static_cast<std::uint8_t>(touched)});
         }
@@ -178,9 +150,8 @@ std::vector<Walls::Entry> Walls::entries(std::size_t begin, std::size_t end) con
   return found;
 }
 
-// What is near in space comes to be near in memory: by the interleaved bits of its place. Then the float
-// copies.
-void Walls::sort_images() {
+// What is near in space comes to be near in memory: by the interleaved bits of its place. Then the planes.
+void Walls::sort_images(Workers &workers) {
   const auto spread_bits = [](std::uint64_t x) {
     std::uint64_t out = 0;
     for (int bit = 0; bit < 21; bit++)
@@ -188,37 +159,33 @@ void Walls::sort_images() {
     return out;
   };
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order(faces_.size());
-  for (std::size_t f = 0; f < faces_.size(); f++) {
+  const auto for_each_face = [&](const auto &work) {
+    workers.loop((faces_.size() + chunk - 1) / chunk, 1, [&](std::size_t c, unsigned) {
+      for (std::size_t f = c * chunk; f < std::min(faces_.size(), (c + 1) * chunk); f++)
+        work(f);
+    });
+  };
+  for_each_face([&](std::size_t f) {
     const glm::dvec3 p = corners(faces_[f])[0];
     std::uint64_t key = 0;
     for (int axis = 0; axis < 3; axis++)
-      key |= spread_bits(static_cast<std::uint64_t>(index_on(axis, p[axis]))) << axis;
+      key |= spread_bits(static_cast<std::uint64_t>(
+                 std::max(0.0, (p[axis] - low_[axis] + side_[axis]) * scale_[axis] * 8.0)))
+             << axis;
     order[f] = {key, static_cast<std::uint32_t>(f)};
-  }
+  });
   std::sort(order.begin(), order.end());
   HugeVector<Face> sorted(faces_.size());
   for (std::size_t f = 0; f < order.size(); f++)
     sorted[f] = faces_[order[f].second];
   faces_.swap(sorted);
-
-  double largest = reach_;
-  for (int axis = 0; axis < 3; axis++)
-    largest = std::max({largest, std::fabs(low_[axis]), std::fabs(low_[axis] + count_[axis] * edge_[axis])});
-  margin_um_ = static_cast<float>(16.0 * largest * 0x1p-23);
-  disc_.assign(faces_.size() + 1, Disc());
-  for (std::size_t f = 0; f < faces_.size(); f++) {
-    const Face &face = faces_[f];
-    const std::array<glm::dvec3, 3> p = corners(face);
-    const glm::dvec3 middle = (p[0] + p[1] + p[2]) / 3.0;
-    const double radius =
-        std::max({glm::length(p[0] - middle), glm::length(p[1] - middle), glm::length(p[2] - middle)});
-    Disc &d = disc_[f];
-    for (int axis = 0; axis < 3; axis++)
-      d.normal[axis] = static_cast<float>(face.normal[axis]),
-      d.centre[axis] = static_cast<float>(middle[axis]);
-    d.offset = static_cast<float>(face.offset),
-    d.radius = static_cast<float>(radius + 2.0 * clearance_um) + margin_um_;
-  }
+  plane_.resize(faces_.size()), inner_.resize(faces_.size());
+  for_each_face([&](std::size_t f) {
+    const std::array<glm::dvec3, 3> p = corners(faces_[f]);
+    const glm::dvec3 normal = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
+    plane_[f] = {normal, glm::dot(normal, p[0])};
+    inner_[f] = inner_of(p, normal);
+  });
 }
 
 void Walls::fill_voxels(Workers &workers, const Progress &progress) {
@@ -232,34 +199,44 @@ void Walls::fill_voxels(Workers &workers, const Progress &progress) {
 
   std::vector<std::uint32_t> many(voxels, 0);
   std::vector<std::uint8_t> touched(fine_count_[0] * fine_count_[1] * fine_count_[2], 0);
-  for (const std::vector<Entry> &part : found)
-    for (const Entry &e : part) {
-      many[e.voxel]++;
+  // Threads share the counters; which of them comes first decides only the order in a voxel's list, which is
+  // sorted later.
+  workers.loop(chunks, 1, [&](std::size_t c, unsigned) {
+    for (const Entry &e : found[c]) {
+      __atomic_fetch_add(&many[e.voxel], 1u, __ATOMIC_RELAXED);
       if (!e.touched) continue;
       const glm::ivec3 at = voxel_place(e.voxel);
       for (std::size_t bit = 0; bit < 8; bit++)
-        if (e.touched >> bit & 1) touched[fine_row(at, bit)] = 1;
+        if (e.touched >> bit & 1)
+          __atomic_store_n(&touched[fine_row(at, bit)], std::uint8_t{1}, __ATOMIC_RELAXED);
     }
+  });
   voxel_.resize(voxels + 1);
   std::uint64_t total = 0;
   std::uint32_t rooms = 0;
   for (std::size_t v = 0; v < voxels; v++) {
     voxel_[v].begin = static_cast<std::uint32_t>(total), voxel_[v].room = rooms;
-    total += (many[v] + 3) / 4, rooms += many[v] > 0;
+    total += (many[v] + 7) / 8, rooms += many[v] > 0;
   }
   if (total >= Contact::none)
-    fail(CONCEG_E_UNSUPPORTED, "walls: expected fewer than 2^34 faces in all voxels together, got %llu",
-         static_cast<unsigned long long>(4 * total));
+    fail(CONCEG_E_UNSUPPORTED, "walls: expected fewer than 2^35 faces in all voxels together, got %llu",
+         static_cast<unsigned long long>(8 * total));
   voxel_[voxels].begin = static_cast<std::uint32_t>(total);
   for (HugeVector<Room> &side : room_)
     side.resize(rooms);
-  list_.assign(4 * total, static_cast<std::uint32_t>(faces_.size()));
+  list_.resize(total);
+  workers.loop((total + chunk - 1) / chunk, 1, [&](std::size_t c, unsigned) {
+    for (std::size_t i = c * chunk; i < std::min<std::size_t>(total, (c + 1) * chunk); i++)
+      list_[i].clear();
+  });
   std::fill(many.begin(), many.end(), 0u);
-  for (std::vector<Entry> &part : found) {
-    for (const Entry &e : part)
-      list_[4 * std::size_t{voxel_[e.voxel].begin} + many[e.voxel]++] = e.face;
-    std::vector<Entry>().swap(part);
-  }
+  workers.loop(chunks, 1, [&](std::size_t c, unsigned) {
+    for (const Entry &e : found[c]) {
+      const std::uint32_t k = __atomic_fetch_add(&many[e.voxel], 1u, __ATOMIC_RELAXED);
+      list_[voxel_[e.voxel].begin + k / 8].face[k % 8] = e.face;
+    }
+    std::vector<Entry>().swap(found[c]);
+  });
   report(progress, "sorting faces into voxels", 1, 3);
   measure_distance(touched, workers);
   report(progress, "sorting faces into voxels", 2, 3);
@@ -267,20 +244,31 @@ void Walls::fill_voxels(Workers &workers, const Progress &progress) {
   report(progress, "sorting faces into voxels", 3, 3);
 }
 
+// Sorts the list of each voxel, and makes its boxes and rooms.
 void Walls::fill_rooms(Workers &workers) {
   const double half_diagonal = 0.5 * glm::length(edge_);
   constexpr std::size_t batch = 1024;
   workers.loop((voxels() + batch - 1) / batch, 1, [&](std::size_t b, unsigned) {
     RoomBuilder builder(room_unit_um_, half_diagonal);
+    std::vector<std::uint32_t> face;
     for (std::size_t v = b * batch; v < std::min(voxels(), (b + 1) * batch); v++) {
       if (voxel_[v].begin == voxel_[v + 1].begin) continue;
       const glm::dvec3 middle = voxel_centre(voxel_place(v));
-      builder.clear();
-      for (std::size_t i = 4 * std::size_t{voxel_[v].begin}; i < 4 * std::size_t{voxel_[v + 1].begin}; i++) {
-        if (list_[i] == faces_.size()) continue;
-        const Face &face = faces_[list_[i]];
-        const std::array<glm::dvec3, 3> p = corners(face);
-        builder.add({p[0] - middle, p[1] - middle, p[2] - middle}, face.normal);
+      builder.clear(), face.clear();
+      for (std::size_t i = voxel_[v].begin; i < voxel_[v + 1].begin; i++)
+        face.insert(face.end(), list_[i].face, list_[i].face + 8);
+      std::sort(face.begin(), face.end()); // Contact::none last
+      for (std::size_t i = 0; i < face.size(); i++) {
+        EightBoxes &eight = list_[voxel_[v].begin + i / 8];
+        eight.face[i % 8] = face[i];
+        if (face[i] == Contact::none) continue;
+        std::array<glm::dvec3, 3> p = corners(faces_[face[i]]);
+        for (glm::dvec3 &corner : p)
+          corner -= middle;
+        eight.set(static_cast<int>(i % 8), face[i], bytes_,
+                  glm::min(p[0], glm::min(p[1], p[2])) - 2.0 * clearance_um,
+                  glm::max(p[0], glm::max(p[1], p[2])) + 2.0 * clearance_um);
+        builder.add(p, plane_[face[i]].normal);
       }
       builder.build(room_[0][voxel_[v].room], room_[1][voxel_[v].room]);
     }
@@ -323,74 +311,71 @@ double Walls::outside_radius(const glm::dvec3 &place) const {
   return reach_ + std::sqrt(squared);
 }
 
-// On the face, up to rim_um beyond its edges; the point lies in its plane.
-bool Walls::inside(const Face &face, const glm::dvec3 &point) const {
-  const std::array<glm::dvec3, 3> p = corners(face);
-  for (std::size_t k = 0; k < 3; k++) {
-    const glm::dvec3 edge = p[(k + 1) % 3] - p[k];
-    const double height = glm::dot(glm::cross(edge, point - p[k]), face.normal);
-    if (height < 0.0 && height * height > rim_um * rim_um * glm::dot(edge, edge)) return false;
+// The coordinate of a corner falls from 1 to 0 on the way to the opposite edge.
+Walls::Inner Walls::inner_of(const std::array<glm::dvec3, 3> &corner, const glm::dvec3 &normal) {
+  Inner inner;
+  const double twice_area = glm::dot(glm::cross(corner[1] - corner[0], corner[2] - corner[0]), normal);
+  for (std::size_t k = 0; k < 2; k++) {
+    const glm::dvec3 &from = corner[(k + 1) % 3], edge = corner[(k + 2) % 3] - from;
+    inner.gradient[k] = glm::cross(normal, edge) / twice_area;
+    inner.offset[k] = glm::dot(inner.gradient[k], from);
   }
-  return true;
+  return inner;
 }
 
+// On the face, up to rim_um beyond its edges; the point lies in its plane.
+[[gnu::always_inline]] inline bool Walls::inside(const Inner &face, const glm::dvec3 &point) {
+  // A coordinate is the way to the edge over the height, which is 1 / |gradient|.
+  const auto beyond = [](double coordinate, const glm::dvec3 &gradient) {
+    const double square = rim_um * rim_um * glm::dot(gradient, gradient);
+    return static_cast<unsigned>(coordinate < 0.0) & static_cast<unsigned>(coordinate * coordinate > square);
+  };
+  const double first = glm::dot(face.gradient[0], point) - face.offset[0],
+               second = glm::dot(face.gradient[1], point) - face.offset[1];
+  return (beyond(first, face.gradient[0]) | beyond(second, face.gradient[1]) |
+          beyond(1.0 - first - second, face.gradient[0] + face.gradient[1])) == 0;
+}
+
+// Candidates are found, and those whose plane is crossed kept, without a branch on either: such branches
+// cannot be foreseen, and a wrong guess costs more than the sums.
 Contact Walls::first_contact(const Spot &spot, const glm::dvec3 &place, const glm::dvec3 &move) const {
   Contact contact;
   if (!spot.known) return contact;
-  const auto spread = [](double x) {
-    const float f = static_cast<float>(x);
-    return Four{f, f, f, f};
-  };
-  const Four px = spread(place.x), py = spread(place.y), pz = spread(place.z);
-  const Four mx = spread(move.x), my = spread(move.y), mz = spread(move.z);
-  const Four hx = spread(place.x + 0.5 * move.x), hy = spread(place.y + 0.5 * move.y),
-             hz = spread(place.z + 0.5 * move.z);
-  const Four half = spread(0.5 * glm::length(move) + 2.0 * static_cast<double>(margin_um_));
-  const Four margin = spread(static_cast<double>(margin_um_)), minus_margin = -margin;
-  // Whether a move that is not along the plane crosses it outside the ball. A height is off by at most the
-  // margin, so that the point is off by margin / |along| of the move: less than the slack.
-  const glm::vec3 from(place), way(move);
-  const float least = 100.0f * margin_um_, slack = 0.02f * glm::length(way) + 2.0f * margin_um_;
-  const auto misses = [&](const Disc &d, float before, float along) {
-    if (std::fabs(along) < least) return false;
-    const glm::vec3 off = from - (before / along) * way - glm::vec3(d.centre[0], d.centre[1], d.centre[2]);
-    return glm::dot(off, off) > (d.radius + slack) * (d.radius + slack);
-  };
+  const ByteMove ends(bytes_, spot.from_centre, spot.from_centre + move);
   double crossing = 1.0;
-  const std::uint32_t *const end = list_.data() + 4 * std::size_t{voxel_[spot.voxel + 1].begin};
-  for (const std::uint32_t *four = list_.data() + 4 * std::size_t{voxel_[spot.voxel].begin}; four != end;
-       four += 4) {
-    Four x, y, z, w;
-    // Balls around the faces that the ball around the move meets.
-    columns(disc_[four[0]].centre, disc_[four[1]].centre, disc_[four[2]].centre, disc_[four[3]].centre, x, y,
-            z, w);
-    x -= hx, y -= hy, z -= hz, w += half;
-    const Mask near = x * x + y * y + z * z <= w * w;
-    // Planes that the move crosses, or touches within the margin: not both ends above or both below.
-    columns(disc_[four[0]].normal, disc_[four[1]].normal, disc_[four[2]].normal, disc_[four[3]].normal, x, y,
-            z, w);
-    const Four before = x * px + y * py + z * pz - w, along = x * mx + y * my + z * mz,
-               after = before + along;
-    const Mask met =
-        near & ~(((before > margin) & (after > margin)) | ((before < minus_margin) & (after < minus_margin)));
-    if (!any(met)) continue;
-    for (int lane = 0; lane < 4; lane++) {
-      if (!met[lane] || misses(disc_[four[lane]], before[lane], along[lane])) continue;
-      const Face &face = faces_[four[lane]];
-      const double height = glm::dot(face.normal, place) - face.offset, speed = glm::dot(face.normal, move);
-      if (height * speed >= 0.0) continue; // it moves away
-      const double over = std::fabs(height), towards = std::fabs(speed);
-      if (over > crossing * towards + (contact.face == Contact::none ? clearance_um : 0.0)) continue;
+  const EightBoxes *const last = list_.data() + voxel_[spot.voxel + 1].begin;
+  for (const EightBoxes *eight = list_.data() + voxel_[spot.voxel].begin; eight < last; eight += 8) {
+    std::uint64_t met = 0;
+    const std::size_t many = std::min<std::size_t>(8, static_cast<std::size_t>(last - eight));
+    for (std::size_t i = 0; i < many; i++)
+      met |= std::uint64_t{eight[i].met(ends)} << (8 * i);
+    struct {
+      double over, towards;
+      std::uint32_t face;
+    } crossed[64];
+    std::size_t count = 0;
+    for (; met != 0; met &= met - 1) {
+      const int bit = __builtin_ctzll(met);
+      const std::uint32_t f = eight[bit >> 3].face[bit & 7];
+      const Plane &plane = plane_[f];
+      __builtin_prefetch(&inner_[f]); // should the plane be crossed
+      const double height = glm::dot(plane.normal, place) - plane.offset,
+                   speed = glm::dot(plane.normal, move), over = std::fabs(height), towards = std::fabs(speed);
+      crossed[count] = {over, towards, f};
+      count += static_cast<std::size_t>((height * speed < 0.0) & (over <= towards + clearance_um));
+    }
+    for (std::size_t i = 0; i < count; i++) {
+      const auto [over, towards, f] = crossed[i];
       const double at = over / towards;
       // Of faces met at the same point the first in the list, which is in ascending order.
       if (contact.face != Contact::none && at >= crossing) continue;
-      if (!inside(face, place + at * move)) continue;
+      if (!inside(inner_[f], place + at * move)) continue;
       crossing = at;
-      contact.face = four[lane];
+      contact.face = f;
       contact.at = std::max(0.0, (over - clearance_um) / towards);
-      contact.normal = face.normal;
     }
   }
+  if (contact.face != Contact::none) contact.normal = plane_[contact.face].normal;
   return contact;
 }
 
@@ -412,10 +397,10 @@ std::uint8_t Walls::nearest_code(const glm::dvec3 &place) const {
           if (std::max({std::abs(x - middle.x), std::abs(y - middle.y), std::abs(z - middle.z)}) != ring)
             continue;
           const std::size_t v = voxel_index(x, y, z);
-          for (std::size_t i = 4 * std::size_t{voxel_[v].begin}; i < 4 * std::size_t{voxel_[v + 1].begin};
+          for (std::size_t i = 8 * std::size_t{voxel_[v].begin}; i < 8 * std::size_t{voxel_[v + 1].begin};
                i++) {
-            const std::uint32_t f = list_[i];
-            if (f == faces_.size()) continue;
+            const std::uint32_t f = list_[i / 8].face[i % 8];
+            if (f == Contact::none) break;
             const std::array<glm::dvec3, 3> p = corners(faces_[f]);
             const double squared = squared_distance(place, p[0], p[1], p[2]);
             if (squared > nearest || (squared == nearest && f >= best)) continue;
@@ -427,8 +412,8 @@ std::uint8_t Walls::nearest_code(const glm::dvec3 &place) const {
 }
 
 std::uint64_t Walls::bytes() const {
-  return vertex_.size() * sizeof vertex_[0] + faces_.size() * sizeof faces_[0] +
-         disc_.size() * sizeof disc_[0] + list_.size() * sizeof list_[0] + voxel_.size() * sizeof voxel_[0] +
+  return vertex_.size() * sizeof vertex_[0] + faces_.size() * (sizeof(Face) + sizeof(Plane) + sizeof(Inner)) +
+         list_.size() * sizeof list_[0] + voxel_.size() * sizeof voxel_[0] +
          2 * room_[0].size() * sizeof(Room) + free_.size();
 }
 

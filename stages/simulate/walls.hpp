@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The membranes as a walker meets them: the box is cut into voxels, and each lists the triangle images that a
-// move from within it can meet, so that one look finds all candidates; planes in float dismiss most of them,
+// move from within it can meet, so that one look finds all candidates; boxes in bytes dismiss most of them,
 // our own double arithmetic decides about the rest. Each voxel also has convex rooms in which nothing is met,
 // and a finer grid knows how far the nearest membrane is at least.
 #pragma once
 
+#include "boxes.hpp"
 #include "huge.hpp"
 #include "parallel.hpp"
 #include "rooms.hpp"
@@ -123,19 +124,22 @@ public:
 private:
   // One image of a triangle.
   struct Face {
-    glm::dvec3 normal;
-    double offset;
     glm::uvec3 corner;
     std::uint32_t source, lift;
   };
-  // The same in float, for the test that dismisses most candidates: its plane and a ball around it. Kept
-  // apart, so that what is near in space is near in memory and little of it is read.
-  struct alignas(32) Disc {
-    float normal[3] = {0.0f, 0.0f, 0.0f}, offset = 1e30f; // as it is: never crossed
-    float centre[3] = {0.0f, 0.0f, 0.0f}, radius = 0.0f;
+  // What a move is held against, apart from it: the plane, read for every candidate, and the face in it, for
+  // those that the move crosses. A point of the plane has the barycentric coordinates gradient . p - offset
+  // for two corners and the rest of 1 for the third.
+  struct alignas(32) Plane {
+    glm::dvec3 normal; // out of the cell
+    double offset;
+  };
+  struct alignas(64) Inner {
+    glm::dvec3 gradient[2];
+    double offset[2];
   };
   struct Voxel {
-    std::uint32_t begin = 0; // its faces: four times begin .. begin of the next voxel
+    std::uint32_t begin = 0; // its faces: eights begin .. begin of the next voxel
     std::uint32_t room = 0;  // its pair of rooms, where it has faces
   };
   struct Entry {
@@ -147,14 +151,15 @@ private:
   void choose_grid(std::size_t faces);
   void list_images(const Membranes &membranes);
   std::vector<Entry> entries(std::size_t begin, std::size_t end) const;
-  unsigned touched_parts(const Face &face, const glm::dvec3 &middle, const glm::dvec3 &low,
+  unsigned touched_parts(const Plane &plane, const glm::dvec3 &middle, const glm::dvec3 &low,
                          const glm::dvec3 &high) const;
-  void sort_images();
+  void sort_images(Workers &workers);
   void fill_voxels(Workers &workers, const Progress &progress);
   void fill_rooms(Workers &workers);
   void measure_distance(const std::vector<std::uint8_t> &touched, Workers &workers);
   std::array<glm::dvec3, 3> corners(const Face &face) const;
-  bool inside(const Face &face, const glm::dvec3 &point) const;
+  static Inner inner_of(const std::array<glm::dvec3, 3> &corner, const glm::dvec3 &normal);
+  static bool inside(const Inner &face, const glm::dvec3 &point);
   double outside_radius(const glm::dvec3 &place) const;
 
   int index_on(int axis, double x) const {
@@ -202,14 +207,15 @@ private:
   glm::dvec3 fine_shift_{0.0};     // from a voxel's centre to those of its fine ones
   std::vector<glm::dvec3> vertex_, lift_;
   HugeVector<Face> faces_;
+  HugeVector<Plane> plane_; // of each face
+  HugeVector<Inner> inner_;
   HugeVector<Voxel> voxel_;  // one more than there are
   HugeVector<Room> room_[2]; // of each voxel that has faces: outside, inside
   double room_unit_um_ = 1.0, room_scale_ = 1.0;
   HugeVector<std::uint8_t>
-      free_;              // of each fine voxel: lower bound of the distance from its centre to a membrane
-  HugeVector<Disc> disc_; // one more than there are faces
-  HugeVector<std::uint32_t> list_; // of each voxel, filled up to fours by the disc that is never crossed
-  float margin_um_ = 0.0f;         // above the rounding of the float test
+      free_; // of each fine voxel: lower bound of the distance from its centre to a membrane
+  ByteScale bytes_;
+  HugeVector<EightBoxes> list_;    // of each voxel, filled up to eights by Contact::none
   std::vector<std::uint8_t> code_; // of the source faces
 };
 

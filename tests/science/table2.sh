@@ -40,5 +40,21 @@ line 'error: .*nowhere/sandi.csv: expected a table of conceg fit --csv' python3 
 printf 'name,value,value_unit\nsoma_share_of_cells,0.25,1\nf_neurite,0.525,1\nf_soma,0.175,1\nf_extracellular,0.3,1\nradius_mean,7,um\nradius_volume_weighted,7.2,um\nradius_effective,7.3,um\n' > three/sandi_truth.csv
 line '^  3 +25 -> 28 \| 25.0 -> 25.0 +7.0 -> 7.8 \| 7.00 -> 7.00$' python3 "$table" three four - --kernel exact
 line 'layer 3: true radii: mean 7.00, volume-weighted 7.20, effective 7.30 um' python3 "$table" three four -
-[ "$failed" = 0 ] && echo "8 checks, 0 failed"
+line '^  3 +25 -> 28 \| 25.0 -> 25.0 \+- [0-9.]+ +7.0 -> 7.8 \| 7.00 -> 7.00 \+- [0-9.]+$' python3 "$table" three four - --kernel exact --errors
+# --run, with a program in conceg's place that notes its words and gives the tables of above.
+cat > stub << 'END'
+#!/bin/sh
+echo "$*" >> words
+for word; do [ "$last" = -o ] && : > "$word"; [ "$last" = --csv ] && mkdir -p "$word"; last=$word; done
+[ "$1" = fit ] || exit 0
+cp three/*.csv "made/layer$(grep -c ^fit words | awk '{ print $1 + 2 }')"
+END
+chmod +x stub
+line '^  5 +26 -> 24 \| 25.0 -> 25.0 ' python3 "$table" --run made --side-um 30 --walkers 70 --margin-um 4 --conceg ./stub --kernel exact
+line '^run made/layer4.yaml --until mesh -q -o made/layer4.cgx$' cat words
+line '^simulate made/layer4.cgx --walkers 70 --margin_um 4.0 --csv made/layer4 -o made/simulated.cgx$' cat words
+line 'size_um: \[30, 30, 30\]' cat made/layer5.yaml
+line 'error: expected three folders, or --run FOLDER' python3 "$table" three four
+line 'error: conceg run: expected it to succeed' python3 "$table" --run other --conceg false
+[ "$failed" = 0 ] && echo "15 checks, 0 failed"
 exit "$failed"

@@ -266,16 +266,25 @@ void test_balance(Workers &workers) {
       glm::dvec3 p;
       for (int axis = 0; axis < 3; axis++)
         p[axis] = 9.0 * conceg_rng_uniform(&rng);
-      start.push_back({p, glm::distance(p, glm::dvec3(4.5)) < 4.0, i});
+      const double depth = 4.0 - glm::distance(p, glm::dvec3(4.5));
+      bool inside = depth > 0.0;
+      if (std::fabs(depth) < 0.02) { // facets lie a little off the ball: they decide
+        inside = true;
+        for (const glm::uvec3 &f : m.face)
+          inside =
+              inside && glm::dot(glm::cross(m.vertex[f.y] - m.vertex[f.x], m.vertex[f.z] - m.vertex[f.x]),
+                                 p - m.vertex[f.x]) < 0.0;
+      }
+      start.push_back({p, inside, i});
     }
-    double inside = 0.0, wrong = 0.0;
+    double within = 0.0, wrong = 0.0;
     for (const Walk &w : go(walls, recorded({10.0}), physics, start, workers)) {
-      inside += w.inside;
+      within += w.inside;
       const double r = glm::distance(walls.position(w.place), glm::dvec3(4.5));
       wrong += std::fabs(r - 4.0) > 0.02 && (r < 4.0) != w.inside;
     }
     const double n = static_cast<double>(start.size());
-    hold_one(outside == 2.0 ? "balance, D 2 and 2" : "balance, D 2 and 0.7", inside / n,
+    hold_one(outside == 2.0 ? "balance, D 2 and 2" : "balance, D 2 and 0.7", within / n,
              std::sqrt(share * (1.0 - share) / n), share);
     CHECK_EQUAL(wrong, 0);
   }

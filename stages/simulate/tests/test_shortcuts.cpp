@@ -89,6 +89,56 @@ void test_rooms(Workers &workers) {
   CHECK(skipped.casts < held.casts / 2);
 }
 
+// What a move meets first, against all faces one by one.
+void test_contacts(Workers &workers) {
+  const Membranes m = crowd();
+  const Walls walls(cube(box_um), m, 0.12, workers, Progress());
+  std::size_t met = 0, other = 0, unclear = 0;
+  for (std::uint64_t i = 0; i < 1500 * factor; i++) {
+    conceg_rng rng = conceg_rng_stream(seed, "test.contacts", i);
+    const auto within = [&rng](double span) {
+      return glm::dvec3(conceg_rng_uniform(&rng), conceg_rng_uniform(&rng), conceg_rng_uniform(&rng)) * span;
+    };
+    glm::dvec3 place = within(box_um);
+    if (i % 2) { // beside a membrane
+      const glm::uvec3 &f = m.face[conceg_rng_u64(&rng) % m.face.size()];
+      place = (m.vertex[f.x] + m.vertex[f.y] + m.vertex[f.z]) / 3.0 + within(0.1) - 0.05;
+      place -= box_um * glm::floor(place / box_um);
+    }
+    const glm::dvec3 move = 0.12 / std::sqrt(3.0) * (2.0 * within(1.0) - 1.0);
+    double first = 2.0, edge = 1.0;
+    for (const glm::uvec3 &f : m.face)
+      for (int lift = 0; lift < 27; lift++) {
+        const glm::dvec3 shift = box_um * (glm::dvec3(lift % 3, lift / 3 % 3, lift / 9) - 1.0);
+        const glm::dvec3 a = m.vertex[f.x] + shift, ab = m.vertex[f.y] - m.vertex[f.x],
+                         ac = m.vertex[f.z] - m.vertex[f.x], from = place - a;
+        const double volume = glm::dot(glm::cross(ab, ac), move);
+        if (volume == 0.0) continue;
+        const double at = -glm::dot(glm::cross(ab, ac), from) / volume,
+                     v = glm::dot(glm::cross(move, from), ac) / volume,
+                     w = -glm::dot(glm::cross(move, from), ab) / volume;
+        const double inner = std::min({v, w, 1.0 - v - w});
+        if (at < -1e-4 || at > 1.0001 || inner < -1e-4) continue;
+        // Where it begins, ends, or meets an edge, rounding and the clearance decide.
+        edge = std::min({edge, std::fabs(at), std::fabs(1.0 - at), std::fabs(inner)});
+        if (at > 0.0 && at < 1.0 && inner > 0.0) first = std::min(first, at);
+      }
+    if (edge < 2e-4) {
+      unclear++;
+      continue;
+    }
+    const Contact contact = walls.first_contact(walls.spot(place), place, move);
+    const bool meets = contact.face != Contact::none;
+    met += meets;
+    const double stop = std::fabs(first - contact.at) * std::fabs(glm::dot(move, contact.normal));
+    other += meets != (first <= 1.0) || (meets && std::fabs(stop - clearance_um) > 1e-11);
+  }
+  std::printf("  %zu moves held against all faces: %zu meet one, %zu unclear; %zu differ\n",
+              std::size_t{1500} * factor, met, unclear, other);
+  CHECK_EQUAL(other, 0);
+  CHECK(met > 200 && unclear < 100 * factor);
+}
+
 // Known distances against those from all faces.
 void test_distances(Workers &workers) {
   const conceg_box box = cube(box_um);
@@ -121,7 +171,8 @@ void test_distances(Workers &workers) {
               std::size_t{600} * factor, beyond, loss / static_cast<double>(near));
   CHECK_EQUAL(beyond, 0);
   CHECK(far > 100);
-  // Half a fine voxel's diagonal of the mark (0.11), the way to the centre (0.06), marks beside their faces, bytes.
+  // Half a fine voxel's diagonal of the mark (0.11), the way to the centre (0.06), marks beside their faces,
+  // bytes.
   CHECK(loss / static_cast<double>(near) < 0.3);
 }
 
@@ -200,6 +251,7 @@ int main(int argc, char **argv) {
   if (argc > 2) factor = std::strtoull(argv[2], nullptr, 10);
   Workers workers(2);
   test_rooms(workers);
+  test_contacts(workers);
   test_distances(workers);
   test_jumps(workers, true);
   test_jumps(workers, false);
