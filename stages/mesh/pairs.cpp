@@ -40,6 +40,7 @@ struct Item {
   glm::ivec3 first, last; // hash places of the box with its margin
   std::uint32_t surface, face, count;
   std::int16_t lift[3];
+  std::uint8_t changed; // one bit a face
   float low[3], high[3];
   float face_low[3][kLeaf], face_high[3][kLeaf];
 };
@@ -83,12 +84,13 @@ WIDE void compare_boxes(const Item &a, const Item &b, float far, BoxPairs &out) 
 
 class PairCheck {
 public:
-  PairCheck(const Views &surfaces, const std::vector<std::uint8_t> &changed, const conceg_box &box,
-            const CheckOptions &options, Workers &workers, const Progress &progress, CheckResult &result)
+  PairCheck(const Views &surfaces, const Changed &changed, const conceg_box &box, const CheckOptions &options,
+            Workers &workers, const Progress &progress, CheckResult &result)
       : surfaces_(surfaces), changed_(changed), box_(box), options_(options), workers_(workers),
         progress_(progress), result_(result), margin_(0.5 * options.reach),
         least2_(options.least_gap * options.least_gap),
-        all_changed_(std::all_of(changed.begin(), changed.end(), [](std::uint8_t c) { return c != 0; })) {}
+        all_changed_(std::all_of(changed.surface.begin(), changed.surface.end(),
+                                 [](std::uint8_t c) { return c != 0; })) {}
 
   void run() {
     choose_places();
@@ -287,13 +289,29 @@ private:
   void collect(bool changed) {
     workers_.loop(stretch_.size(), 1, [&](std::size_t i, unsigned worker) {
       const Stretch &stretch = stretch_[i];
-      if ((changed_[stretch.surface] != 0) != changed || !meets_slab(stretch)) return;
-      each_leaf(stretch,
-                [&](const Leaf &leaf) { place_leaf(stretch.surface, leaf, changed, worker_[worker]); });
+      if (!may_hold(stretch, changed) || !meets_slab(stretch)) return;
+      each_leaf(stretch, [&](const Leaf &leaf) {
+        const std::uint8_t faces = changed_faces(stretch.surface, leaf);
+        if ((faces != 0) == changed) place_leaf(stretch.surface, leaf, faces, worker_[worker]);
+      });
     });
   }
 
-  void place_leaf(std::uint32_t surface, const Leaf &leaf, bool changed, Worker &worker) {
+  // Can a leaf of the stretch have changed, or not have?
+  bool may_hold(const Stretch &stretch, bool changed) const {
+    if (changed_.surface[stretch.surface]) return changed;
+    if (!changed) return true;
+    return !changed_.face.empty() && changed_.face[stretch.surface].any_near(stretch.first, stretch.last);
+  }
+
+  std::uint8_t changed_faces(std::uint32_t surface, const Leaf &leaf) const {
+    unsigned faces = 0;
+    for (std::uint32_t f = 0; f < leaf.count; f++)
+      faces |= static_cast<unsigned>(changed_.holds(surface, leaf.first + f)) << f;
+    return static_cast<std::uint8_t>(faces);
+  }
+
+  void place_leaf(std::uint32_t surface, const Leaf &leaf, std::uint8_t changed, Worker &worker) {
     const glm::ivec3 from = place_of(leaf.whole.low - margin_), to = place_of(leaf.whole.high + margin_);
     for (int lz = lift_of(from.z, 2); lz <= lift_of(to.z, 2); lz++) {
       if (from.z - lz * places_.z >= slab_high_ || to.z - lz * places_.z < slab_low_) continue;
@@ -304,6 +322,7 @@ private:
           item.first = from - lift * places_, item.last = to - lift * places_;
           if (!changed && !near_changed(item)) continue;
           fill(item, surface, leaf, lift);
+          item.changed = changed;
           each_place(item, [&](std::size_t p) {
             start_[p].fetch_add(1, std::memory_order_relaxed);
             if (changed && !marked_.empty()) __atomic_store_n(&marked_[p], 1, __ATOMIC_RELAXED);
@@ -342,10 +361,10 @@ private:
     const float reach = static_cast<float>(options_.reach * (1 + 1e-6));
     for (std::size_t i = first; i < last; i++) {
       const Item &a = *entry_[i];
-      if (a.first == here && changed_[a.surface]) check_faces(a, a, true, worker);
+      if (a.first == here && a.changed) check_faces(a, a, true, worker);
       for (std::size_t j = i + 1; j < last; j++) {
         const Item &b = *entry_[j];
-        if (!changed_[a.surface] && !changed_[b.surface]) continue;
+        if (!a.changed && !b.changed) continue;
         const bool same = a.surface == b.surface && std::equal(a.lift, a.lift + 3, b.lift);
         const float far = same ? 0 : reach;
         if (a.low[0] - b.high[0] > far || b.low[0] - a.high[0] > far || a.low[1] - b.high[1] > far ||
@@ -362,14 +381,24 @@ private:
     const double bound2 = std::max({worker.gap2[a.surface], worker.gap2[b.surface], least2_});
     BoxPairs pairs;
     compare_boxes(a, b, same ? 0 : static_cast<float>(std::sqrt(bound2) * (1 + 1e-6)), pairs);
+    const std::uint64_t of_b = bytes_of(b.changed);
     for (std::uint32_t i = 0; i < a.count; i++) {
-      std::uint64_t meet, near, later = ~std::uint64_t(0);
+      std::uint64_t meet, near, wanted = a.changed >> i & 1 ? ~std::uint64_t(0) : of_b;
       std::memcpy(&meet, pairs.meet[i], 8), std::memcpy(&near, pairs.near[i], 8);
-      if (&a == &b) later = i == kLeaf - 1 ? 0 : later << 8 * (i + 1);
-      worker.pairs += static_cast<unsigned>(__builtin_popcountll(meet & later));
-      for (near &= later; near; near &= near - 1)
+      if (&a == &b) wanted &= i == kLeaf - 1 ? 0 : ~std::uint64_t(0) << 8 * (i + 1);
+      worker.pairs += static_cast<unsigned>(__builtin_popcountll(meet & wanted));
+      for (near &= wanted; near; near &= near - 1)
         check_pair(a, a.face + i, b, b.face + static_cast<std::uint32_t>(__builtin_ctzll(near) / 8), worker);
     }
+  }
+
+  // A byte of ones for each bit.
+  static std::uint64_t bytes_of(std::uint8_t bits) {
+    if (bits == 0xff) return ~std::uint64_t(0);
+    std::uint64_t bytes = 0;
+    for (unsigned i = 0; i < kLeaf; i++)
+      if (bits >> i & 1) bytes |= std::uint64_t(0xff) << 8 * i;
+    return bytes;
   }
 
   // In an order of their own, whatever order they came in.
@@ -463,7 +492,7 @@ private:
   }
 
   const Views &surfaces_;
-  const std::vector<std::uint8_t> &changed_;
+  const Changed &changed_;
   const conceg_box &box_;
   const CheckOptions &options_;
   Workers &workers_;
@@ -484,7 +513,7 @@ private:
 
 } // namespace
 
-void check_pairs(const Views &surfaces, const std::vector<std::uint8_t> &changed, const conceg_box &box,
+void check_pairs(const Views &surfaces, const Changed &changed, const conceg_box &box,
                  const CheckOptions &options, Workers &workers, const Progress &progress,
                  CheckResult &result) {
   PairCheck(surfaces, changed, box, options, workers, progress, result).run();

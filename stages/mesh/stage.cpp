@@ -20,7 +20,7 @@ namespace {
 using namespace conceg;
 using namespace conceg::mesh;
 
-constexpr char kVersion[] = "1.1.0";
+constexpr char kVersion[] = "1.2.0";
 constexpr double kGapReach = 1.5; // gaps are measured up to so many times the gap that is asked
 
 const conceg_param parameters[] = {
@@ -196,11 +196,11 @@ void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done, 
     gap = std::min(gap, g);
   conceg_ctx_log(
       ctx, CONCEG_LOG_INFO,
-      "mesh: %zu surfaces, %zu faces (%.1f per um2; %llu before simplification), %llu places repaired "
-      "in %d rounds, cells fill %.4f of the box",
+      "mesh: %zu surfaces, %zu faces (%.1f per um2; %llu before simplification), %llu vertices moved apart, "
+      "%llu places repaired in %d rounds, cells fill %.4f of the box",
       check.surfaces.size(), faces, area > 0 ? double(faces) / area : 0.0,
-      static_cast<unsigned long long>(done.base_faces), static_cast<unsigned long long>(done.repaired_pairs),
-      done.rounds, total / volume(tissue.box));
+      static_cast<unsigned long long>(done.base_faces), static_cast<unsigned long long>(done.moved_vertices),
+      static_cast<unsigned long long>(done.repaired_pairs), done.rounds, total / volume(tissue.box));
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
                  "mesh: final check: %llu pairs of faces in all images, 0 crossings, 0 folds, all closed and "
                  "outward; least gap %.4f um",
