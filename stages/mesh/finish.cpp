@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kNoSlot = ~std::size_t(0);
 constexpr int kNudges = 6;          // turns after each round
-constexpr double kFarthest = 0.5;   // of the gap: how far a vertex goes in a turn
+constexpr double kFarthest = 0.5;   // of the gap, and half of that of a step: how far a vertex goes in a turn
 constexpr double kWorthwhile = 0.7; // of the pairs must be left at most for another turn
 
 class Finisher {
@@ -203,7 +203,8 @@ private:
 
   // Moves faces apart, turn by turn, as long as that helps. Cells that are their base mesh stay.
   void move_apart(const CheckOptions &check) {
-    const NudgeOptions options{options_.least_gap(), kFarthest * options_.gap};
+    const NudgeOptions options{options_.least_gap(),
+                               kFarthest * std::min(options_.gap, 0.5 * scene_.grid.unit)};
     auto &defects = result_.check.defects;
     for (int turn = 0; turn < kNudges && !defects.empty(); turn++) {
       const std::size_t before = defects.size();

@@ -15,6 +15,7 @@ constexpr double kMean =
     1.0; // root-mean-square distance to the planes that is tried at most, over the tolerance
 constexpr double kPull =
     3e-3; // weight of the edge's midpoint against the planes: settles flat and tube-like places
+constexpr double kFan = 0.1;  // least cosine between the normals of the faces around a vertex and their sum
 constexpr double kTurn = 0.3; // least cosine between a face's normals before and after
 constexpr double kShape =
     0.12; // least quality of a new face (1 = equilateral), unless the old ones were worse
@@ -222,7 +223,7 @@ private:
   // The faces that `moved` keeps when it goes to x and the edge to `other` vanishes: none may turn over or
   // get too thin.
   bool faces_hold(std::uint32_t moved, std::uint32_t other, const glm::dvec3 &x, double &least_old,
-                  double &least_new) const {
+                  double &least_new) {
     for (std::uint32_t i = 0; i < count_[moved]; i++) {
       const std::uint32_t f = pool_[first_[moved] + i];
       glm::dvec3 p[3] = {corner(f, 0), corner(f, 1), corner(f, 2)};
@@ -237,7 +238,18 @@ private:
       const double length_after = glm::length(after);
       if (!(glm::dot(before, after) > kTurn * length_before * length_after)) return false;
       least_new = std::min(least_new, quality(p[0], p[1], p[2], length_after));
+      normal_.push_back(after);
     }
+    return true;
+  }
+
+  // Seen along the sum of their normals the new faces all look the same way, so that none folds over another.
+  bool opens_like_a_fan() const {
+    glm::dvec3 view(0);
+    for (const glm::dvec3 &n : normal_)
+      view += n;
+    for (const glm::dvec3 &n : normal_)
+      if (!(glm::dot(n, view) > kFan * glm::length(n) * glm::length(view))) return false;
     return true;
   }
 
@@ -270,9 +282,10 @@ private:
     const glm::dvec3 x = keep_volume(a, b, best_point(q, a, b));
     if (!(q.at(x) < std::min(limit_[a], limit_[b]) * q.weight())) return;
     double least_old = 1, least_new = 1;
+    normal_.clear();
     if (!faces_hold(a, b, x, least_old, least_new) || !faces_hold(b, a, x, least_old, least_new)) return;
     if (least_new < std::min(kShape, least_old)) return;
-    if (!stays_near(a, b, x)) return;
+    if (!opens_like_a_fan() || !stays_near(a, b, x)) return;
     collapse(a, b, x, q);
   }
 
@@ -435,6 +448,7 @@ private:
   std::vector<Placed> star_;
   std::vector<std::uint32_t> leaving_;
   std::vector<Home> home_;
+  std::vector<glm::dvec3> normal_; // of the faces that would be
   std::uint32_t nearest_of_x_ = 0;
   Queue queue_;
 };
