@@ -118,8 +118,8 @@ void check_room(conceg_ctx *ctx, const Scene &scene, bool light, const std::stri
   need_free_space(conceg_ctx_tmpdir(ctx), kChunkBytes * faces + document + own, "unfinished meshes");
   if (side_file.empty()) return;
   const std::size_t slash = side_file.rfind('/');
-  need_free_space(slash == std::string::npos ? "." : side_file.substr(0, slash + 1), kSurfaceBytes * faces,
-                  "finished surfaces");
+  need_free_space(slash == std::string::npos ? "." : side_file.substr(0, slash + 1),
+                  2 * kSurfaceBytes * faces, "finished surfaces"); // once more where they are moved apart
 }
 
 void warn_thin(conceg_ctx *ctx, const Scene &scene) {
