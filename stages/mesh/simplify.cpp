@@ -15,8 +15,8 @@ constexpr double kMean =
     1.0; // root-mean-square distance to the planes that is tried at most, over the tolerance
 constexpr double kPull =
     3e-3; // weight of the edge's midpoint against the planes: settles flat and tube-like places
-constexpr double kFan = 0.1;  // least cosine between the normals of the faces around a vertex and their sum
-constexpr double kTurn = 0.3; // least cosine between a face's normals before and after
+constexpr double kFan = 0.5;  // least cosine between the normals of the faces around a vertex and their sum
+constexpr double kTurn = 0.5; // least cosine between a face's normals before and after
 constexpr double kShape =
     0.12; // least quality of a new face (1 = equilateral), unless the old ones were worse
 constexpr std::size_t kStretch = 1 << 12; // faces whose edges are queued together
