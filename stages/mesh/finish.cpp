@@ -45,7 +45,7 @@ public:
       check_again(result_.surfaces, {changed(todo)}, box_, check, workers_, progress_, result_.check);
       result_.rounds = round_;
       const bool whole = round_ + 1 >= options_.rounds;
-      if (!exact) move_apart(check);
+      if (options_.nudge && !exact) move_apart(check);
       if (result_.check.defects.empty() || exact || (whole && !can_retreat())) break;
       result_.repaired_pairs += result_.check.defects.size();
       todo = plan_repair(width, whole);

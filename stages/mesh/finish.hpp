@@ -20,6 +20,7 @@ struct FinishOptions {
   double tolerance = 0.05; // um, where neighbours are far; 0 = no simplification
   double gap = 0.06;       // um
   bool cluster = true;     // false: the base mesh is simplified
+  bool nudge = true;       // false: go back to the base mesh at once
   int rounds = 5;          // the last ones take the whole base mesh of every cell that still crosses
   std::size_t check_memory = 512u << 20; // bytes that the check may take
   std::string folder = "/tmp";           // for files without a name

@@ -26,6 +26,7 @@ public:
 
   Nudged run(const std::vector<Defect> &defects, Workers &workers) {
     list_vertices(defects);
+    unfold(workers);
     for (int sweep = 0; sweep < kSweeps; sweep++) {
       bool any = false;
       for (Pair &pair : pair_)
@@ -40,6 +41,7 @@ private:
     std::uint32_t surface, number;
     glm::dvec3 at, before;
     std::uint32_t moves = 0;
+    bool folded = false; // its surface folds or crosses itself here
   };
   struct Pair {
     std::uint32_t corner[6];          // of the one face, then of the other: into vertex_
@@ -51,9 +53,7 @@ private:
   void list_vertices(const std::vector<Defect> &defects) {
     std::vector<const Defect *> wanted;
     for (const Defect &d : defects)
-      if ((d.flaw == Flaw::near || d.flaw == Flaw::crossing_cells || d.flaw == Flaw::crossing_image) &&
-          !(fixed_[d.surface] && fixed_[d.other_surface]))
-        wanted.push_back(&d);
+      if (is_pair(d.flaw) && !(fixed_[d.surface] && fixed_[d.other_surface])) wanted.push_back(&d);
     std::vector<std::uint64_t> key;
     const auto corners = [&](const Defect &d, std::uint64_t(&out)[6]) {
       const glm::uvec3 &f = surfaces_[d.surface].face[d.face],
@@ -78,10 +78,46 @@ private:
       for (int k = 0; k < 6; k++)
         pair.corner[k] =
             static_cast<std::uint32_t>(std::lower_bound(key.begin(), key.end(), corner[k]) - key.begin());
+      if (d->flaw == Flaw::fold || d->flaw == Flaw::crossing_self) {
+        for (const std::uint32_t k : pair.corner)
+          vertex_[k].folded = true;
+        continue;
+      }
       pair.shift = glm::dvec3(d->lift) * side_;
       pair.loose[0] = !fixed_[d->surface], pair.loose[1] = !fixed_[d->other_surface];
       pair_.push_back(pair);
     }
+  }
+
+  // Vertices where a surface folds go half the way to the mean of their neighbours.
+  void unfold(Workers &workers) {
+    std::vector<std::size_t> first; // of the vertices of each surface with folds
+    for (std::size_t i = 0; i < vertex_.size(); i++)
+      if (vertex_[i].folded && (first.empty() || vertex_[first.back()].surface != vertex_[i].surface))
+        first.push_back(i);
+    workers.loop(first.size(), 1, [&](std::size_t i, unsigned) { unfold_surface(first[i]); });
+  }
+
+  void unfold_surface(std::size_t first) {
+    const SurfaceView &surface = surfaces_[vertex_[first].surface];
+    std::vector<Vertex *> of(surface.vertices);
+    std::size_t last = first;
+    for (; last < vertex_.size() && vertex_[last].surface == vertex_[first].surface; last++)
+      if (vertex_[last].folded) of[vertex_[last].number] = &vertex_[last];
+    std::vector<glm::dvec3> sum(last - first);
+    std::vector<double> count(last - first);
+    for (std::uint32_t f = 0; f < surface.faces; f++)
+      for (int k = 0; k < 3; k++) {
+        const glm::uvec3 &v = surface.face[f];
+        if (!of[v[k]]) continue;
+        const auto i = static_cast<std::size_t>(of[v[k]] - &vertex_[first]);
+        sum[i] += surface.at(v[(k + 1) % 3]), count[i]++; // each neighbour follows once
+      }
+    for (std::size_t i = 0; i < sum.size(); i++)
+      if (vertex_[first + i].folded && count[i] > 0) {
+        Vertex &v = vertex_[first + i];
+        place(v, v.at + 0.5 * (sum[i] / count[i] - v.at));
+      }
   }
 
   // Moves the two faces of a pair apart; false when they are already.
@@ -132,11 +168,14 @@ private:
   void move(const std::uint32_t *corner, const glm::dvec3 &weight, const glm::dvec3 &step) {
     for (int k = 0; k < 3; k++) {
       Vertex &v = vertex_[corner[k]];
-      const glm::dvec3 to = v.at + weight[k] * step;
-      const double way = glm::length(to - v.before);
-      v.at = way <= options_.farthest ? to : v.before + (to - v.before) * (options_.farthest / way);
-      v.moves++;
+      place(v, v.at + weight[k] * step);
     }
+  }
+
+  void place(Vertex &v, const glm::dvec3 &to) const {
+    const double way = glm::length(to - v.before);
+    v.at = way <= options_.farthest ? to : v.before + (to - v.before) * (options_.farthest / way);
+    v.moves++;
   }
 
   // What has moved, as it is written, surface by surface.
@@ -144,21 +183,28 @@ private:
     Nudged out;
     out.vertex.resize(surfaces_.size()), out.changed.face.resize(surfaces_.size());
     out.changed.surface.resize(surfaces_.size());
+    std::vector<std::vector<std::uint32_t>> folded(surfaces_.size());
     for (const Vertex &v : vertex_) {
       const SurfaceView &surface = surfaces_[v.surface];
       const glm::vec3 at = written(v.at - surface.origin);
       if (v.moves && at != surface.relative[v.number]) out.vertex[v.surface].push_back({v.number, at});
+      if (v.folded) folded[v.surface].push_back(v.number);
     }
     workers.loop(surfaces_.size(), 1, [&](std::size_t s, unsigned) {
-      if (!out.vertex[s].empty()) keep_faces_up(surfaces_[s], out.vertex[s], out.changed.face[s]);
+      if (!out.vertex[s].empty()) keep_faces_up(surfaces_[s], folded[s], out.vertex[s], out.changed.face[s]);
     });
     for (const auto &moved : out.vertex)
       out.count += moved.size();
     return out;
   }
 
-  // Vertices of faces that would turn over go back, until no face does. `faces`: those that have changed.
-  static void keep_faces_up(const SurfaceView &surface, std::vector<MovedVertex> &moved, Bits &faces) {
+  // Vertices of faces that would turn over go back, until no face does; where a surface is `folded` faces
+  // may, as long as they keep an area. `faces`: those that have changed.
+  static void keep_faces_up(const SurfaceView &surface, const std::vector<std::uint32_t> &folded,
+                            std::vector<MovedVertex> &moved, Bits &faces) {
+    const auto is_folded = [&](std::uint32_t v) {
+      return std::binary_search(folded.begin(), folded.end(), v);
+    };
     Bits is_moved;
     is_moved.reset(surface.vertices);
     for (const MovedVertex &v : moved)
@@ -182,7 +228,9 @@ private:
         const glm::dvec3 before = cross_product(b - a, c - a),
                          after = cross_product(place(v.y) - place(v.x), place(v.z) - place(v.x));
         const double old_area = glm::length(before), new_area = glm::length(after);
-        if (glm::dot(before, after) > kLeastTurn * old_area * new_area && new_area > kLeastArea * old_area)
+        const bool may_turn = is_folded(v.x) || is_folded(v.y) || is_folded(v.z);
+        if ((may_turn || glm::dot(before, after) > kLeastTurn * old_area * new_area) &&
+            new_area > kLeastArea * old_area)
           continue;
         is_moved.clear(v.x), is_moved.clear(v.y), is_moved.clear(v.z);
         again = true;

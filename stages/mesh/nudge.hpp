@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Faces of two labels that are too near to each other, or cross, are moved apart by their vertices: what
-// clusters and simplification took from a gap comes back without making a surface again.
+// Faces of two labels that are too near to each other, or cross, are moved apart by their vertices, and folds
+// are opened: what clusters and simplification took from a gap comes back without making a surface again.
 #pragma once
 
 #include "check.hpp"
@@ -20,9 +20,10 @@ struct Nudged {
   std::size_t count = 0;                        // of vertices
 };
 
-// Of all pairs of different labels in `defects`. Surfaces that are `fixed` stay where they are. No face turns
-// by more than a right angle or loses its area; where one would, its vertices stay. The pairs are done one
-// after the other in the order of `defects`.
+// Of all pairs in `defects`, one after the other in that order; where a surface folds or crosses itself its
+// vertices go towards the mean of their neighbours. Surfaces that are `fixed` stay where they are. No face
+// loses its area, and none but folded ones turns by more than a right angle: where one would, its vertices
+// stay.
 Nudged nudge(const Views &surfaces, const std::vector<Defect> &defects,
              const std::vector<std::uint8_t> &fixed, const conceg_box &box, const NudgeOptions &options,
              Workers &workers);

@@ -209,9 +209,9 @@ void light_neighbours_go_back() {
   SceneOptions options;
   options.h = 0.5;
   FinishOptions finish_options;
-  finish_options.gap = 0.5, finish_options.rounds = 1; // more than moving apart can give
-  const Done done = finish_tissue(bundle(4), options, finish_options, 2);
-  std::printf("coarse bundle: %d rounds, %llu places repaired\n", done.rounds,
+  finish_options.gap = 0.1, finish_options.rounds = 1, finish_options.nudge = false;
+  const Done done = finish_tissue(forest(20, 12, 300, 3), options, finish_options, 2);
+  std::printf("coarse forest: %d rounds, %llu places repaired\n", done.rounds,
               static_cast<unsigned long long>(done.repaired_pairs));
   CHECK(done.rounds > finish_options.rounds);
   sound_and_apart(done);

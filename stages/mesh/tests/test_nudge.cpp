@@ -112,6 +112,16 @@ void pairs_move_apart() {
   settle(image, {0}, Flaw::near);
 }
 
+// A vertex that was pulled over its neighbours goes back among them.
+void folds_open() {
+  std::vector<Surface> folded = alone({ball({6, 6, 6}, 2)});
+  glm::vec3 *top = &folded[0].vertex[0];
+  for (glm::vec3 &v : folded[0].vertex)
+    if (v.z > top->z) top = &v;
+  top->x += 0.4f;
+  settle(folded, {0}, Flaw::fold);
+}
+
 void nothing_to_move() {
   conceg::Workers workers(2);
   const std::vector<Surface> surfaces = alone({ball({4, 6, 6}, 2), ball({8.03, 6, 6}, 2)});
@@ -129,7 +139,8 @@ void faces_stay_up() {
   std::vector<Surface> surfaces = alone({ball({4, 6, 6}, 2), ball({7.9, 6, 6}, 2)});
   const std::vector<Surface> before = surfaces;
   CheckResult result = check(surfaces);
-  put_in_place(nudge(views_of(surfaces), result.defects, {0, 0}, empty_box(12).box, {1.0, 5.0}, workers), surfaces);
+  put_in_place(nudge(views_of(surfaces), result.defects, {0, 0}, empty_box(12).box, {1.0, 5.0}, workers),
+               surfaces);
   for (std::size_t s = 0; s < surfaces.size(); s++)
     for (const glm::uvec3 &f : surfaces[s].face) {
       const auto normal = [&](const Surface &t) {
@@ -172,6 +183,7 @@ void kept_surfaces_move_in_a_copy() {
 
 int main() {
   pairs_move_apart();
+  folds_open();
   nothing_to_move();
   faces_stay_up();
   kept_surfaces_move_in_a_copy();
