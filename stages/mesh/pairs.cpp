@@ -17,10 +17,10 @@
 namespace conceg::mesh {
 namespace {
 
-constexpr std::uint32_t kLeaf = 8;         // faces
-constexpr double kPlace = 2.5;             // edge of a hash place over the mean size of a face
-constexpr std::size_t kStretch = 1u << 14; // faces of one task
-constexpr double kClearly = 1e-12;         // relative; a plane test is off by 1e-15
+constexpr std::uint32_t kLeaf = 8;        // faces
+constexpr double kPlace = 2.5;            // edge of a hash place over the mean size of a face
+constexpr std::size_t kStretch = 1u << 8; // faces of one task, few so that they lie in few slabs
+constexpr double kClearly = 1e-12;        // relative; a plane test is off by 1e-15
 
 struct Bounds {
   glm::dvec3 low{1e300}, high{-1e300};
@@ -43,6 +43,24 @@ struct Item {
   std::uint8_t changed; // one bit a face
   float low[3], high[3];
   float face_low[3][kLeaf], face_high[3][kLeaf];
+};
+
+// Items in blocks, so that a long list takes no more than they do.
+class Items {
+public:
+  void add(const Item &item) {
+    if (count_ == block_.size() * kBlockItems) block_.push_back(std::make_unique<Item[]>(kBlockItems));
+    (*this)[count_++] = item;
+  }
+  std::size_t size() const { return count_; }
+  void clear() { count_ = 0; }
+  Item &operator[](std::size_t i) { return block_[i / kBlockItems][i % kBlockItems]; }
+  const Item &operator[](std::size_t i) const { return block_[i / kBlockItems][i % kBlockItems]; }
+
+private:
+  static constexpr std::size_t kBlockItems = 1024;
+  std::vector<std::unique_ptr<Item[]>> block_;
+  std::size_t count_ = 0;
 };
 
 struct Stretch {
@@ -116,8 +134,7 @@ public:
 
 private:
   struct Worker {
-    std::vector<Item> item;
-    std::vector<const Item *> here;
+    Items item;
     std::vector<Defect> found;
     std::vector<double> gap2; // per surface: smallest squared gap so far
     std::uint64_t pairs = 0;
@@ -205,7 +222,7 @@ private:
     std::vector<std::vector<std::uint32_t>> counts(workers_.threads());
     for (auto &count : counts)
       count.resize(static_cast<std::size_t>(places_.z));
-    workers_.loop(stretch_.size(), 1, [&](std::size_t i, unsigned worker) {
+    workers_.loop(stretch_.size(), 64, [&](std::size_t i, unsigned worker) {
       Bounds whole;
       each_leaf(stretch_[i], [&](const Leaf &leaf) {
         whole.add(leaf.whole);
@@ -223,8 +240,8 @@ private:
 
   // Layers [first, end) whose leaves fit into the memory.
   int end_of_slab(int first) const {
-    // Lists double as they grow, and for a moment stand beside their old selves.
-    const std::size_t most = options_.memory / (3 * sizeof(Item) + 8 * sizeof(Item *));
+    // A leaf counts in each of its layers, so this is on the safe side.
+    const std::size_t most = options_.memory / (sizeof(Item) + 12 * sizeof(Item *));
     std::size_t sum = layer_[static_cast<std::size_t>(first)];
     int end = first + 1;
     while (end < places_.z && sum + layer_[static_cast<std::size_t>(end)] <= most)
@@ -287,7 +304,7 @@ private:
 
   // Leaves of the slab, counted at their places; of old surfaces only those near a new one.
   void collect(bool changed) {
-    workers_.loop(stretch_.size(), 1, [&](std::size_t i, unsigned worker) {
+    workers_.loop(stretch_.size(), 64, [&](std::size_t i, unsigned worker) {
       const Stretch &stretch = stretch_[i];
       if (!may_hold(stretch, changed) || !meets_slab(stretch)) return;
       each_leaf(stretch, [&](const Leaf &leaf) {
@@ -327,7 +344,7 @@ private:
             start_[p].fetch_add(1, std::memory_order_relaxed);
             if (changed && !marked_.empty()) __atomic_store_n(&marked_[p], 1, __ATOMIC_RELAXED);
           });
-          worker.item.push_back(item);
+          worker.item.add(item);
         }
     }
   }
