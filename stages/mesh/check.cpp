@@ -15,6 +15,14 @@ bool earlier(const Defect &l, const Defect &r) {
          std::tie(r.flaw, r.surface, r.face, r.other_surface, r.other_face, r.lift.z, r.lift.y, r.lift.x);
 }
 
+// Around vertices of faces that have changed the pair test has to look for itself.
+void doubt_vertices(const SurfaceView &surface, const Changed &changed, std::uint32_t number, Bits &plain) {
+  if (changed.face.empty() || changed.face[number].empty()) return;
+  for (std::uint32_t f = 0; f < surface.faces; f++)
+    for (int k = 0; changed.face[number][f] && k < 3; k++)
+      plain.clear(surface.face[f][k]);
+}
+
 } // namespace
 
 const char *flaw_name(Flaw flaw) {
@@ -36,25 +44,30 @@ const char *flaw_name(Flaw flaw) {
 CheckResult check_surfaces(const Views &surfaces, const conceg_box &box, const CheckOptions &options,
                            Workers &workers, const Progress &progress) {
   CheckResult result;
-  check_again(surfaces, std::vector<std::uint8_t>(surfaces.size(), 1), box, options, workers, progress,
+  check_again(surfaces, {std::vector<std::uint8_t>(surfaces.size(), 1)}, box, options, workers, progress,
               result);
   return result;
 }
 
-void check_again(const Views &surfaces, const std::vector<std::uint8_t> &changed, const conceg_box &box,
+void check_again(const Views &surfaces, const Changed &changed, const conceg_box &box,
                  const CheckOptions &options, Workers &workers, const Progress &progress,
                  CheckResult &result) {
   auto &defects = result.defects;
   defects.erase(std::remove_if(defects.begin(), defects.end(),
                                [&](const Defect &d) {
-                                 return changed[d.surface] || (is_pair(d.flaw) && changed[d.other_surface]);
+                                 if (!is_pair(d.flaw)) return changed.surface[d.surface] != 0;
+                                 return changed.holds(d.surface, d.face) ||
+                                        changed.holds(d.other_surface, d.other_face);
                                }),
                 defects.end());
   std::vector<std::vector<Defect>> found(surfaces.size());
   result.usable.resize(surfaces.size()), result.closed.resize(surfaces.size());
   result.plain.resize(surfaces.size()), result.min_gap.assign(surfaces.size(), options.reach);
   workers.loop(surfaces.size(), 1, [&](std::size_t s, unsigned) {
-    if (!changed[s]) return;
+    if (!changed.surface[s]) {
+      doubt_vertices(surfaces[s], changed, static_cast<std::uint32_t>(s), result.plain[s]);
+      return;
+    }
     result.usable[s] = check_topology(surfaces[s], static_cast<std::uint32_t>(s), found[s], result.plain[s]);
     result.closed[s] = found[s].empty();
   });

@@ -6,6 +6,7 @@
 #include "parallel.hpp"
 #include "surface.hpp"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -43,10 +44,27 @@ class Bits {
 public:
   void reset(std::size_t count) { word_.assign((count + 63) / 64, 0); }
   void set(std::size_t i) { word_[i / 64] |= std::uint64_t(1) << i % 64; }
+  void clear(std::size_t i) { word_[i / 64] &= ~(std::uint64_t(1) << i % 64); }
   bool operator[](std::size_t i) const { return word_[i / 64] >> i % 64 & 1; }
+  bool empty() const { return word_.empty(); }
+  // Is any of first .. last set, whole words of 64 looked at?
+  bool any_near(std::size_t first, std::size_t last) const {
+    for (std::size_t w = first / 64; w < std::min((last + 63) / 64, word_.size()); w++)
+      if (word_[w]) return true;
+    return false;
+  }
 
 private:
   std::vector<std::uint64_t> word_;
+};
+
+// What has been replaced since a result was made: surfaces, and faces of others whose vertices have moved.
+struct Changed {
+  std::vector<std::uint8_t> surface;
+  std::vector<Bits> face = {}; // per surface, empty where none has; or nothing at all
+  bool holds(std::uint32_t s, std::uint32_t f) const {
+    return surface[s] || (!face.empty() && !face[s].empty() && face[s][f]);
+  }
 };
 
 struct CheckOptions {
@@ -72,9 +90,10 @@ struct CheckResult {
 CheckResult check_surfaces(const Views &surfaces, const conceg_box &box, const CheckOptions &options,
                            Workers &workers, const Progress &progress);
 
-// Brings `result` up to date after some surfaces have been replaced: pairs of two others are not tested
-// again, and min_gap holds for replaced surfaces alone. pairs_checked counts the tests of all times.
-void check_again(const Views &surfaces, const std::vector<std::uint8_t> &changed, const conceg_box &box,
+// Brings `result` up to date after something has been replaced: pairs of two other faces are not tested
+// again, and min_gap holds for the pairs tested alone. pairs_checked counts the tests of all times. Where
+// single faces have changed, none of them may be without area.
+void check_again(const Views &surfaces, const Changed &changed, const conceg_box &box,
                  const CheckOptions &options, Workers &workers, const Progress &progress,
                  CheckResult &result);
 

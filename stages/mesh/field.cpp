@@ -252,6 +252,18 @@ double cone_distance(const Grid &grid, const Cone &cone, const glm::dvec3 &voxel
   return shape_distance(shape, (voxel - glm::dvec3(shape.a) / double(kFixed)) * glm::dvec3(grid.scale));
 }
 
+double cone_distance_below(const Grid &grid, const Cone &cone, const glm::dvec3 &voxel, double most) {
+  const glm::dvec3 scale = glm::dvec3(grid.scale) * (1.0 / kFixed);
+  const glm::dvec3 along = glm::dvec3(cone.b - cone.a) * scale,
+                   from_a = voxel * glm::dvec3(grid.scale) - glm::dvec3(cone.a) * scale;
+  const double length2 = glm::dot(along, along), way = glm::dot(from_a, along);
+  const double t = way <= 0 ? 0 : way >= length2 ? 1 : way / length2;
+  const glm::dvec3 across = from_a - t * along;
+  const double reach = most + std::max(cone.ra, cone.rb) * (1.0 / kFixed);
+  if (reach < 0 || glm::dot(across, across) > reach * reach * (1 + 1e-9)) return most;
+  return std::min(most, cone_distance(grid, cone, voxel));
+}
+
 Index make_index(const Scene &scene, Workers &workers, const Progress &progress) {
   constexpr std::size_t kBatch = 4096;
   std::vector<std::vector<BlockEntry>> parts((scene.cone.size() + kBatch - 1) / kBatch);
@@ -333,12 +345,12 @@ std::int64_t nearest_cone(const Scene &scene, const Index &index, std::uint32_t 
   const auto wanted = std::make_tuple(cell, static_cast<std::int16_t>(lift.z),
                                       static_cast<std::int16_t>(lift.y), static_cast<std::int16_t>(lift.x));
   std::int64_t best = -1;
-  double least = 0;
+  double least = 1e300;
   for (auto it = std::lower_bound(first, last, wanted,
                                   [&](const IndexEntry &e, const auto &w) { return key(e) < w; });
        it != last && key(*it) == wanted; ++it) {
-    const double distance = cone_distance(grid, scene.cone[it->cone], voxel);
-    if (best < 0 || distance < least) best = it->cone, least = distance;
+    const double distance = cone_distance_below(grid, scene.cone[it->cone], voxel, least);
+    if (distance < least) best = it->cone, least = distance;
   }
   return best;
 }

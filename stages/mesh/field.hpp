@@ -57,6 +57,9 @@ void evaluate_block(const Scene &scene, const Index &index, std::size_t row, Blo
 // Exact distance of a point (voxels, unwrapped) to one cone, in units. Double precision, for single points.
 double cone_distance(const Grid &grid, const Cone &cone, const glm::dvec3 &voxel);
 
+// The same, or `most` where it is not less: most cones are farther away than that, which is known cheaply.
+double cone_distance_below(const Grid &grid, const Cone &cone, const glm::dvec3 &voxel, double most);
+
 // Where a point given in unwrapped voxels lies: the row of its block, and the lift that brings it into the
 // box.
 struct Place {

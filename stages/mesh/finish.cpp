@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "finish.hpp"
+#include "nudge.hpp"
 #include "simplify.hpp"
 
 #include <glm/common.hpp>
@@ -14,6 +15,9 @@ namespace conceg::mesh {
 namespace {
 
 constexpr std::size_t kNoSlot = ~std::size_t(0);
+constexpr int kNudges = 6;          // turns after each round
+constexpr double kFarthest = 0.5;   // of the gap, and half of that of a step: how far a vertex goes in a turn
+constexpr double kWorthwhile = 0.7; // of the pairs must be left at most for another turn
 
 class Finisher {
 public:
@@ -38,9 +42,10 @@ public:
     for (round_ = 0;; round_++, width *= 2) {
       make_all(todo);
       result_.surfaces = result_.file->views();
-      check_again(result_.surfaces, changed(todo), box_, check, workers_, progress_, result_.check);
+      check_again(result_.surfaces, {changed(todo)}, box_, check, workers_, progress_, result_.check);
       result_.rounds = round_;
       const bool whole = round_ + 1 >= options_.rounds;
+      if (options_.nudge && !exact) move_apart(check);
       if (result_.check.defects.empty() || exact || (whole && !can_retreat())) break;
       result_.repaired_pairs += result_.check.defects.size();
       todo = plan_repair(width, whole);
@@ -167,14 +172,13 @@ private:
     if (!stop_) result_.file->add(base, round_ == 0 ? &notes : nullptr);
   }
 
-  // How far simplification may move each vertex (README, equation 5): 0 next to nodes that keep the base
-  // mesh.
+  // How far simplification may move each vertex (README, equation 5): both sides of a gap together leave half
+  // of what is asked; 0 next to nodes that keep the base mesh.
   std::vector<float> tolerances(const Surface &base, std::uint32_t cell) const {
     std::vector<float> tolerance(base.vertex.size());
-    const double least = options_.gap / 6; // where the field is rough
     for (std::uint32_t v = 0; v < tolerance.size(); v++) {
-      tolerance[v] =
-          static_cast<float>(std::min(options_.tolerance, std::max(least, 0.5 * double(base.room[v]))));
+      const double gap = std::max(options_.gap, double(base.room[v]));
+      tolerance[v] = static_cast<float>(std::min(options_.tolerance, 0.5 * (gap - options_.least_gap())));
       if (locked_.size() > cell && holds(locked_[cell], node_at(base.at(v)))) tolerance[v] = 0;
     }
     return tolerance;
@@ -195,6 +199,28 @@ private:
     for (const Defect &defect : result_.check.defects)
       if (light(defect.surface) || (is_pair(defect.flaw) && light(defect.other_surface))) return true;
     return false;
+  }
+
+  // Moves faces apart, turn by turn, as long as that helps. Cells that are their base mesh stay.
+  void move_apart(const CheckOptions &check) {
+    const NudgeOptions options{options_.least_gap(),
+                               kFarthest * std::min(options_.gap, 0.5 * scene_.grid.unit)};
+    auto &defects = result_.check.defects;
+    for (int turn = 0; turn < kNudges && !defects.empty(); turn++) {
+      const std::size_t before = defects.size();
+      std::vector<std::uint8_t> fixed;
+      for (const SurfaceView &surface : result_.surfaces)
+        fixed.push_back(apart_[surface.cell].whole);
+      const Nudged nudged = nudge(result_.surfaces, defects, fixed, box_, options, workers_);
+      if (!nudged.count) return;
+      result_.moved_vertices += nudged.count;
+      workers_.loop(result_.surfaces.size(), 1, [&](std::size_t s, unsigned) {
+        if (!nudged.vertex[s].empty()) result_.file->move(result_.surfaces[s].cell, nudged.vertex[s]);
+      });
+      result_.surfaces = result_.file->views();
+      check_again(result_.surfaces, nudged.changed, box_, check, workers_, progress_, result_.check);
+      if (double(defects.size()) > kWorthwhile * double(before)) return;
+    }
   }
 
   // Takes the places of the defects back to the base mesh and tells which cells the next round makes again.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // From blocks to finished surfaces on disk: march, and as soon as the last block of a cell is done join and
-// simplify it and put it into a file; check all of them, and where the check finds something go back to the
-// base mesh around that place, until the check finds nothing. A gap below half of the wanted one counts as a
-// find: the base mesh keeps gap / 1.91.
+// simplify it and put it into a file; check all of them, and where the check finds something move the faces
+// apart, or go back to the base mesh around that place, until the check finds nothing. A gap below half of
+// the wanted one counts as a find: the base mesh keeps gap / 1.91.
 #pragma once
 
 #include "check.hpp"
@@ -20,6 +20,7 @@ struct FinishOptions {
   double tolerance = 0.05; // um, where neighbours are far; 0 = no simplification
   double gap = 0.06;       // um
   bool cluster = true;     // false: the base mesh is simplified
+  bool nudge = true;       // false: go back to the base mesh at once
   int rounds = 5;          // the last ones take the whole base mesh of every cell that still crosses
   std::size_t check_memory = 512u << 20; // bytes that the check may take
   std::string folder = "/tmp";           // for files without a name
@@ -32,8 +33,9 @@ struct Finished {
   Views surfaces;                    // of the cells that have one, in the order of cells
   std::vector<Pieces> pieces;        // per cell
   CheckResult check;                 // of the surfaces returned
-  int rounds = 0;                    // repair rounds that were needed
-  std::uint64_t repaired_pairs = 0;  // crossings, folds and narrow gaps found on the way
+  int rounds = 0;                    // how often surfaces were made again
+  std::uint64_t repaired_pairs = 0;  // crossings, folds and narrow gaps for which surfaces were made again
+  std::uint64_t moved_vertices = 0;  // that were moved out of crossings and narrow gaps
   std::uint64_t base_faces = 0;      // before simplification
   std::size_t taken_over = 0;        // cells that an earlier run had finished
 };

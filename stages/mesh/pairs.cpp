@@ -17,10 +17,10 @@
 namespace conceg::mesh {
 namespace {
 
-constexpr std::uint32_t kLeaf = 8;         // faces
-constexpr double kPlace = 2.5;             // edge of a hash place over the mean size of a face
-constexpr std::size_t kStretch = 1u << 14; // faces of one task
-constexpr double kClearly = 1e-12;         // relative; a plane test is off by 1e-15
+constexpr std::uint32_t kLeaf = 8;        // faces
+constexpr double kPlace = 2.5;            // edge of a hash place over the mean size of a face
+constexpr std::size_t kStretch = 1u << 8; // faces of one task, few so that they lie in few slabs
+constexpr double kClearly = 1e-12;        // relative; a plane test is off by 1e-15
 
 struct Bounds {
   glm::dvec3 low{1e300}, high{-1e300};
@@ -40,8 +40,27 @@ struct Item {
   glm::ivec3 first, last; // hash places of the box with its margin
   std::uint32_t surface, face, count;
   std::int16_t lift[3];
+  std::uint8_t changed; // one bit a face
   float low[3], high[3];
   float face_low[3][kLeaf], face_high[3][kLeaf];
+};
+
+// Items in blocks, so that a long list takes no more than they do.
+class Items {
+public:
+  void add(const Item &item) {
+    if (count_ == block_.size() * kBlockItems) block_.push_back(std::make_unique<Item[]>(kBlockItems));
+    (*this)[count_++] = item;
+  }
+  std::size_t size() const { return count_; }
+  void clear() { count_ = 0; }
+  Item &operator[](std::size_t i) { return block_[i / kBlockItems][i % kBlockItems]; }
+  const Item &operator[](std::size_t i) const { return block_[i / kBlockItems][i % kBlockItems]; }
+
+private:
+  static constexpr std::size_t kBlockItems = 1024;
+  std::vector<std::unique_ptr<Item[]>> block_;
+  std::size_t count_ = 0;
 };
 
 struct Stretch {
@@ -83,12 +102,13 @@ WIDE void compare_boxes(const Item &a, const Item &b, float far, BoxPairs &out) 
 
 class PairCheck {
 public:
-  PairCheck(const Views &surfaces, const std::vector<std::uint8_t> &changed, const conceg_box &box,
-            const CheckOptions &options, Workers &workers, const Progress &progress, CheckResult &result)
+  PairCheck(const Views &surfaces, const Changed &changed, const conceg_box &box, const CheckOptions &options,
+            Workers &workers, const Progress &progress, CheckResult &result)
       : surfaces_(surfaces), changed_(changed), box_(box), options_(options), workers_(workers),
         progress_(progress), result_(result), margin_(0.5 * options.reach),
         least2_(options.least_gap * options.least_gap),
-        all_changed_(std::all_of(changed.begin(), changed.end(), [](std::uint8_t c) { return c != 0; })) {}
+        all_changed_(std::all_of(changed.surface.begin(), changed.surface.end(),
+                                 [](std::uint8_t c) { return c != 0; })) {}
 
   void run() {
     choose_places();
@@ -114,8 +134,7 @@ public:
 
 private:
   struct Worker {
-    std::vector<Item> item;
-    std::vector<const Item *> here;
+    Items item;
     std::vector<Defect> found;
     std::vector<double> gap2; // per surface: smallest squared gap so far
     std::uint64_t pairs = 0;
@@ -203,7 +222,7 @@ private:
     std::vector<std::vector<std::uint32_t>> counts(workers_.threads());
     for (auto &count : counts)
       count.resize(static_cast<std::size_t>(places_.z));
-    workers_.loop(stretch_.size(), 1, [&](std::size_t i, unsigned worker) {
+    workers_.loop(stretch_.size(), 64, [&](std::size_t i, unsigned worker) {
       Bounds whole;
       each_leaf(stretch_[i], [&](const Leaf &leaf) {
         whole.add(leaf.whole);
@@ -221,8 +240,8 @@ private:
 
   // Layers [first, end) whose leaves fit into the memory.
   int end_of_slab(int first) const {
-    // Lists double as they grow, and for a moment stand beside their old selves.
-    const std::size_t most = options_.memory / (3 * sizeof(Item) + 8 * sizeof(Item *));
+    // A leaf counts in each of its layers, so this is on the safe side.
+    const std::size_t most = options_.memory / (sizeof(Item) + 12 * sizeof(Item *));
     std::size_t sum = layer_[static_cast<std::size_t>(first)];
     int end = first + 1;
     while (end < places_.z && sum + layer_[static_cast<std::size_t>(end)] <= most)
@@ -285,15 +304,31 @@ private:
 
   // Leaves of the slab, counted at their places; of old surfaces only those near a new one.
   void collect(bool changed) {
-    workers_.loop(stretch_.size(), 1, [&](std::size_t i, unsigned worker) {
+    workers_.loop(stretch_.size(), 64, [&](std::size_t i, unsigned worker) {
       const Stretch &stretch = stretch_[i];
-      if ((changed_[stretch.surface] != 0) != changed || !meets_slab(stretch)) return;
-      each_leaf(stretch,
-                [&](const Leaf &leaf) { place_leaf(stretch.surface, leaf, changed, worker_[worker]); });
+      if (!may_hold(stretch, changed) || !meets_slab(stretch)) return;
+      each_leaf(stretch, [&](const Leaf &leaf) {
+        const std::uint8_t faces = changed_faces(stretch.surface, leaf);
+        if ((faces != 0) == changed) place_leaf(stretch.surface, leaf, faces, worker_[worker]);
+      });
     });
   }
 
-  void place_leaf(std::uint32_t surface, const Leaf &leaf, bool changed, Worker &worker) {
+  // Can a leaf of the stretch have changed, or not have?
+  bool may_hold(const Stretch &stretch, bool changed) const {
+    if (changed_.surface[stretch.surface]) return changed;
+    if (!changed) return true;
+    return !changed_.face.empty() && changed_.face[stretch.surface].any_near(stretch.first, stretch.last);
+  }
+
+  std::uint8_t changed_faces(std::uint32_t surface, const Leaf &leaf) const {
+    unsigned faces = 0;
+    for (std::uint32_t f = 0; f < leaf.count; f++)
+      faces |= static_cast<unsigned>(changed_.holds(surface, leaf.first + f)) << f;
+    return static_cast<std::uint8_t>(faces);
+  }
+
+  void place_leaf(std::uint32_t surface, const Leaf &leaf, std::uint8_t changed, Worker &worker) {
     const glm::ivec3 from = place_of(leaf.whole.low - margin_), to = place_of(leaf.whole.high + margin_);
     for (int lz = lift_of(from.z, 2); lz <= lift_of(to.z, 2); lz++) {
       if (from.z - lz * places_.z >= slab_high_ || to.z - lz * places_.z < slab_low_) continue;
@@ -304,11 +339,12 @@ private:
           item.first = from - lift * places_, item.last = to - lift * places_;
           if (!changed && !near_changed(item)) continue;
           fill(item, surface, leaf, lift);
+          item.changed = changed;
           each_place(item, [&](std::size_t p) {
             start_[p].fetch_add(1, std::memory_order_relaxed);
             if (changed && !marked_.empty()) __atomic_store_n(&marked_[p], 1, __ATOMIC_RELAXED);
           });
-          worker.item.push_back(item);
+          worker.item.add(item);
         }
     }
   }
@@ -342,10 +378,10 @@ private:
     const float reach = static_cast<float>(options_.reach * (1 + 1e-6));
     for (std::size_t i = first; i < last; i++) {
       const Item &a = *entry_[i];
-      if (a.first == here && changed_[a.surface]) check_faces(a, a, true, worker);
+      if (a.first == here && a.changed) check_faces(a, a, true, worker);
       for (std::size_t j = i + 1; j < last; j++) {
         const Item &b = *entry_[j];
-        if (!changed_[a.surface] && !changed_[b.surface]) continue;
+        if (!a.changed && !b.changed) continue;
         const bool same = a.surface == b.surface && std::equal(a.lift, a.lift + 3, b.lift);
         const float far = same ? 0 : reach;
         if (a.low[0] - b.high[0] > far || b.low[0] - a.high[0] > far || a.low[1] - b.high[1] > far ||
@@ -362,14 +398,24 @@ private:
     const double bound2 = std::max({worker.gap2[a.surface], worker.gap2[b.surface], least2_});
     BoxPairs pairs;
     compare_boxes(a, b, same ? 0 : static_cast<float>(std::sqrt(bound2) * (1 + 1e-6)), pairs);
+    const std::uint64_t of_b = bytes_of(b.changed);
     for (std::uint32_t i = 0; i < a.count; i++) {
-      std::uint64_t meet, near, later = ~std::uint64_t(0);
+      std::uint64_t meet, near, wanted = a.changed >> i & 1 ? ~std::uint64_t(0) : of_b;
       std::memcpy(&meet, pairs.meet[i], 8), std::memcpy(&near, pairs.near[i], 8);
-      if (&a == &b) later = i == kLeaf - 1 ? 0 : later << 8 * (i + 1);
-      worker.pairs += static_cast<unsigned>(__builtin_popcountll(meet & later));
-      for (near &= later; near; near &= near - 1)
+      if (&a == &b) wanted &= i == kLeaf - 1 ? 0 : ~std::uint64_t(0) << 8 * (i + 1);
+      worker.pairs += static_cast<unsigned>(__builtin_popcountll(meet & wanted));
+      for (near &= wanted; near; near &= near - 1)
         check_pair(a, a.face + i, b, b.face + static_cast<std::uint32_t>(__builtin_ctzll(near) / 8), worker);
     }
+  }
+
+  // A byte of ones for each bit.
+  static std::uint64_t bytes_of(std::uint8_t bits) {
+    if (bits == 0xff) return ~std::uint64_t(0);
+    std::uint64_t bytes = 0;
+    for (unsigned i = 0; i < kLeaf; i++)
+      if (bits >> i & 1) bytes |= std::uint64_t(0xff) << 8 * i;
+    return bytes;
   }
 
   // In an order of their own, whatever order they came in.
@@ -463,7 +509,7 @@ private:
   }
 
   const Views &surfaces_;
-  const std::vector<std::uint8_t> &changed_;
+  const Changed &changed_;
   const conceg_box &box_;
   const CheckOptions &options_;
   Workers &workers_;
@@ -484,7 +530,7 @@ private:
 
 } // namespace
 
-void check_pairs(const Views &surfaces, const std::vector<std::uint8_t> &changed, const conceg_box &box,
+void check_pairs(const Views &surfaces, const Changed &changed, const conceg_box &box,
                  const CheckOptions &options, Workers &workers, const Progress &progress,
                  CheckResult &result) {
   PairCheck(surfaces, changed, box, options, workers, progress, result).run();

@@ -6,9 +6,9 @@
 
 namespace conceg::mesh {
 
-// Tests all pairs of faces of which at least one belongs to a surface with `changed`; surfaces that are not
+// Tests all pairs of faces of which at least one has `changed`; surfaces that are not
 // `usable` are left out, vertices that are `plain` believed. Adds to defects, min_gap and pairs_checked.
-void check_pairs(const Views &surfaces, const std::vector<std::uint8_t> &changed, const conceg_box &box,
+void check_pairs(const Views &surfaces, const Changed &changed, const conceg_box &box,
                  const CheckOptions &options, Workers &workers, const Progress &progress,
                  CheckResult &result);
 

@@ -22,7 +22,7 @@ double nearest_other(const Scene &scene, const Index &index, const Cone &cone, c
     const glm::ivec3 lift(entry.lift[0], entry.lift[1], entry.lift[2]);
     if (other.cell == cone.cell && lift == place.lift) continue;
     const glm::dvec3 seen = voxel + glm::dvec3((place.lift - lift) * scene.grid.size);
-    least = std::min(least, cone_distance(scene.grid, other, seen));
+    least = cone_distance_below(scene.grid, other, seen, least);
   }
   return least;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simplify.hpp"
+#include "distance.hpp"
 
 #include <glm/geometric.hpp>
 
@@ -11,10 +12,11 @@ namespace {
 
 constexpr int kBuckets = 64; // of the error, on a square-root scale up to the tolerance
 constexpr double kMean =
-    0.35; // root-mean-square distance to the planes allowed, over the tolerance: holds the largest below it
+    1.0; // root-mean-square distance to the planes that is tried at most, over the tolerance
 constexpr double kPull =
     3e-3; // weight of the edge's midpoint against the planes: settles flat and tube-like places
-constexpr double kTurn = 0.3; // least cosine between a face's normals before and after
+constexpr double kFan = 0.5;  // least cosine between the normals of the faces around a vertex and their sum
+constexpr double kTurn = 0.5; // least cosine between a face's normals before and after
 constexpr double kShape =
     0.12; // least quality of a new face (1 = equilateral), unless the old ones were worse
 constexpr std::size_t kStretch = 1 << 12; // faces whose edges are queued together
@@ -78,7 +80,7 @@ class Simplifier {
 public:
   Simplifier(const Surface &base, const std::vector<float> &tolerance) : base_(base), face_(base.face) {
     for (const float t : tolerance)
-      limit_.push_back(static_cast<float>(kMean * kMean * t * t));
+      limit_.push_back(static_cast<float>(kMean * kMean * t * t)), tolerance2_.push_back(t * t);
     origin_ = base.vertex.empty() ? glm::dvec3(0) : glm::dvec3(base.vertex[0]);
     for (const glm::vec3 &v : base.vertex)
       position_.push_back(glm::dvec3(v) - origin_);
@@ -86,6 +88,7 @@ public:
     mark_.resize(position_.size());
     build_rings();
     build_quadrics();
+    build_points();
   }
 
   // Stretch after stretch of the faces, which lie near one another, so that what is at work fits into the
@@ -104,6 +107,15 @@ public:
   }
 
 private:
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+  struct Placed {
+    std::uint32_t face;
+    Corners corner;
+  };
+  struct Home {
+    std::uint32_t point, face;
+  };
+
   bool gone(std::uint32_t v) const { return count_[v] == 0; }
   glm::dvec3 corner(std::uint32_t face, int i) const { return position_[face_[face][i]]; }
 
@@ -133,6 +145,20 @@ private:
         quadric_[face_[f][i]].add(q);
     }
   }
+
+  // Every vertex of the base is a point that has its home on one face and has to stay near it.
+  void build_points() {
+    base_first_ = first_, base_pool_ = pool_;
+    base_first_.push_back(static_cast<std::uint32_t>(pool_.size()));
+    head_.assign(face_.size(), kNone), next_.resize(position_.size()), nearest_.resize(position_.size());
+    for (std::uint32_t v = 0; v < position_.size(); v++) {
+      nearest_[v] = v;
+      if (count_[v]) set_home(v, pool_[first_[v]]);
+    }
+  }
+
+  void set_home(std::uint32_t point, std::uint32_t face) { next_[point] = head_[face], head_[face] = point; }
+  glm::dvec3 point(std::uint32_t v) const { return glm::dvec3(base_.vertex[v]) - origin_; }
 
   void queue_edges(std::size_t first, std::size_t last) {
     for (std::size_t f = first; f < last; f++)
@@ -197,7 +223,7 @@ private:
   // The faces that `moved` keeps when it goes to x and the edge to `other` vanishes: none may turn over or
   // get too thin.
   bool faces_hold(std::uint32_t moved, std::uint32_t other, const glm::dvec3 &x, double &least_old,
-                  double &least_new) const {
+                  double &least_new) {
     for (std::uint32_t i = 0; i < count_[moved]; i++) {
       const std::uint32_t f = pool_[first_[moved] + i];
       glm::dvec3 p[3] = {corner(f, 0), corner(f, 1), corner(f, 2)};
@@ -212,7 +238,18 @@ private:
       const double length_after = glm::length(after);
       if (!(glm::dot(before, after) > kTurn * length_before * length_after)) return false;
       least_new = std::min(least_new, quality(p[0], p[1], p[2], length_after));
+      normal_.push_back(after);
     }
+    return true;
+  }
+
+  // Seen along the sum of their normals the new faces all look the same way, so that none folds over another.
+  bool opens_like_a_fan() const {
+    glm::dvec3 view(0);
+    for (const glm::dvec3 &n : normal_)
+      view += n;
+    for (const glm::dvec3 &n : normal_)
+      if (!(glm::dot(n, view) > kFan * glm::length(n) * glm::length(view))) return false;
     return true;
   }
 
@@ -245,12 +282,90 @@ private:
     const glm::dvec3 x = keep_volume(a, b, best_point(q, a, b));
     if (!(q.at(x) < std::min(limit_[a], limit_[b]) * q.weight())) return;
     double least_old = 1, least_new = 1;
+    normal_.clear();
     if (!faces_hold(a, b, x, least_old, least_new) || !faces_hold(b, a, x, least_old, least_new)) return;
     if (least_new < std::min(kShape, least_old)) return;
+    if (!opens_like_a_fan() || !stays_near(a, b, x)) return;
     collapse(a, b, x, q);
   }
 
+  // The faces around the edge a-b as they would be with both ends at x, and its two faces, which go.
+  void look_around(std::uint32_t a, std::uint32_t b, const glm::dvec3 &x) {
+    star_.clear(), leaving_.clear();
+    for (const std::uint32_t v : {a, b})
+      for (std::uint32_t i = 0; i < count_[v]; i++) {
+        const std::uint32_t f = pool_[first_[v] + i], other = v == a ? b : a;
+        const glm::uvec3 &c = face_[f];
+        if (c.x == other || c.y == other || c.z == other) {
+          if (v == a) leaving_.push_back(f);
+          continue;
+        }
+        star_.push_back({f, {corner(f, 0), corner(f, 1), corner(f, 2)}});
+        for (int k = 0; k < 3; k++)
+          if (c[k] == v) star_.back().corner[k] = x;
+      }
+  }
+
+  // Would every point at home around the edge a-b find a face within its tolerance, and x the base?
+  bool stays_near(std::uint32_t a, std::uint32_t b, const glm::dvec3 &x) {
+    look_around(a, b, x);
+    home_.clear();
+    nearest_of_x_ = distance2(x, nearest_[a]) <= distance2(x, nearest_[b]) ? nearest_[a] : nearest_[b];
+    for (const Placed &placed : star_)
+      if (!find_homes(placed.face, &placed, x)) return false;
+    for (const std::uint32_t f : leaving_)
+      if (!find_homes(f, nullptr, x)) return false;
+    for (std::uint32_t i = base_first_[nearest_of_x_]; i < base_first_[nearest_of_x_ + 1]; i++) {
+      const glm::uvec3 &f = base_.face[base_pool_[i]];
+      if (point_triangle_distance2(x, {point(f.x), point(f.y), point(f.z)}) <= tolerance2_[nearest_of_x_])
+        return true;
+    }
+    return false;
+  }
+
+  // New homes for the points of a face, which is now as `placed`, or goes.
+  bool find_homes(std::uint32_t face, const Placed *placed, const glm::dvec3 &x) {
+    for (std::uint32_t p = head_[face]; p != kNone; p = next_[p]) {
+      if (!find_home(p, placed)) return false;
+      if (distance2(x, p) < distance2(x, nearest_of_x_)) nearest_of_x_ = p;
+    }
+    return true;
+  }
+
+  double distance2(const glm::dvec3 &x, std::uint32_t p) const {
+    const glm::dvec3 d = x - point(p);
+    return glm::dot(d, d);
+  }
+
+  // The face that it is on if that is near enough, else the nearest of all.
+  bool find_home(std::uint32_t p, const Placed *now) {
+    const glm::dvec3 at = point(p);
+    if (now && point_triangle_distance2(at, now->corner) <= tolerance2_[p]) {
+      home_.push_back({p, now->face});
+      return true;
+    }
+    double least = tolerance2_[p];
+    const Placed *best = nullptr;
+    for (const Placed &placed : star_) {
+      const double d = point_triangle_distance2(at, placed.corner);
+      if (d <= least) least = d, best = &placed;
+    }
+    if (best) home_.push_back({p, best->face});
+    return best != nullptr;
+  }
+
+  void move_points(std::uint32_t a) {
+    for (const Placed &placed : star_)
+      head_[placed.face] = kNone;
+    for (const std::uint32_t f : leaving_)
+      head_[f] = kNone;
+    for (const Home &home : home_)
+      set_home(home.point, home.face);
+    nearest_[a] = nearest_of_x_;
+  }
+
   void collapse(std::uint32_t a, std::uint32_t b, const glm::dvec3 &x, const Quadric &q) {
+    move_points(a);
     ring_.clear();
     for (std::uint32_t i = 0; i < count_[a]; i++) {
       const std::uint32_t f = pool_[first_[a] + i];
@@ -326,6 +441,15 @@ private:
   std::vector<glm::uvec3> face_;
   std::vector<std::uint32_t> first_, count_, pool_, version_, mark_, ring_;
   std::uint32_t stamp_ = 2;
+  std::vector<float> tolerance2_;                     // of each point, squared
+  std::vector<std::uint32_t> head_, next_;            // the points at home on each face, a list
+  std::vector<std::uint32_t> nearest_;                // of each vertex: a point next to it
+  std::vector<std::uint32_t> base_first_, base_pool_; // faces of the base around each of its vertices
+  std::vector<Placed> star_;
+  std::vector<std::uint32_t> leaving_;
+  std::vector<Home> home_;
+  std::vector<glm::dvec3> normal_; // of the faces that would be
+  std::uint32_t nearest_of_x_ = 0;
   Queue queue_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Quadric edge collapse of one closed surface with guards: the result stays closed and manifold, no face
-// turns over, and every vertex stays within the tolerance of the planes that it stands for.
+// turns over, every vertex of the base stays within its tolerance of the result, and every vertex of the
+// result within that of the base.
 #pragma once
 
 #include "surface.hpp"

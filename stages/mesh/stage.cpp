@@ -123,8 +123,8 @@ void check_room(conceg_ctx *ctx, const Scene &scene, bool light, const std::stri
   need_free_space(conceg_ctx_tmpdir(ctx), kChunkBytes * faces + document + own, "unfinished meshes");
   if (side_file.empty()) return;
   const std::size_t slash = side_file.rfind('/');
-  need_free_space(slash == std::string::npos ? "." : side_file.substr(0, slash + 1), kSurfaceBytes * faces,
-                  "finished surfaces");
+  need_free_space(slash == std::string::npos ? "." : side_file.substr(0, slash + 1),
+                  2 * kSurfaceBytes * faces, "finished surfaces"); // once more where they are moved apart
 }
 
 void warn_thin(conceg_ctx *ctx, const Scene &scene) {
@@ -201,11 +201,11 @@ void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done, 
     gap = std::min(gap, g);
   conceg_ctx_log(
       ctx, CONCEG_LOG_INFO,
-      "mesh: %zu surfaces, %zu faces (%.1f per um2; %llu before simplification), %llu places repaired "
-      "in %d rounds, cells fill %.4f of the box",
+      "mesh: %zu surfaces, %zu faces (%.1f per um2; %llu before simplification), %llu vertices moved apart, "
+      "%llu places repaired in %d rounds, cells fill %.4f of the box",
       check.surfaces.size(), faces, area > 0 ? double(faces) / area : 0.0,
-      static_cast<unsigned long long>(done.base_faces), static_cast<unsigned long long>(done.repaired_pairs),
-      done.rounds, total / volume(tissue.box));
+      static_cast<unsigned long long>(done.base_faces), static_cast<unsigned long long>(done.moved_vertices),
+      static_cast<unsigned long long>(done.repaired_pairs), done.rounds, total / volume(tissue.box));
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
                  "mesh: final check: %llu pairs of faces in all images, 0 crossings, 0 folds, all closed and "
                  "outward; least gap %.4f um",

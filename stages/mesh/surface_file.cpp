@@ -35,10 +35,11 @@ struct SurfaceFile::Head {
   std::uint32_t detached, cavities, soma_found, whole_base;
 };
 
-SurfaceFile::SurfaceFile(const std::string &folder, std::size_t cells) : file_(folder), kept_(cells) {}
+SurfaceFile::SurfaceFile(const std::string &folder, std::size_t cells)
+    : file_(folder), outlives_(false), kept_(cells) {}
 
 SurfaceFile::SurfaceFile(const std::string &path, const std::string &key, std::size_t cells)
-    : file_(SideFile::named(path)), kept_(cells) {
+    : file_(SideFile::named(path)), outlives_(true), kept_(cells) {
   if (file_.size() < kFirst) {
     file_.cut(0);
     file_.write(0, kMagic, sizeof kMagic);
@@ -79,8 +80,11 @@ bool SurfaceFile::take_record(std::uint64_t size) {
   file_.read(end_, record.data(), words * 8);
   if (record.back() != sum_of(record, words - 1)) return false;
   if (head.first_round) {
-    kept_[head.cell] = {
-        end_ + sizeof head, head.vertices, head.faces, {head.origin[0], head.origin[1], head.origin[2]}};
+    kept_[head.cell] = {end_ + sizeof head,
+                        head.vertices,
+                        head.faces,
+                        {head.origin[0], head.origin[1], head.origin[2]},
+                        true};
     CellNotes notes;
     notes.pieces = {head.detached, head.detached_volume, head.cavities, head.cavity_volume,
                     head.soma_found != 0};
@@ -119,9 +123,28 @@ void SurfaceFile::add(const Surface &surface, const CellNotes *notes) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     start = end_, end_ += record.size() * 8;
-    kept_[surface.cell] = {start + sizeof head, head.vertices, head.faces, surface.origin};
+    kept_[surface.cell] = {start + sizeof head, head.vertices, head.faces, surface.origin,
+                           notes && outlives_};
   }
   file_.write(start, record.data(), record.size() * 8);
+}
+
+void SurfaceFile::move(std::uint32_t cell, const std::vector<MovedVertex> &moved) {
+  Kept &kept = kept_[cell];
+  if (kept.for_later) { // moved in a copy
+    Surface copy;
+    copy.cell = cell, copy.origin = kept.origin;
+    copy.vertex.resize(kept.vertices), copy.face.resize(kept.faces);
+    file_.read(kept.at, copy.vertex.data(), kept.vertices * sizeof(glm::vec3));
+    file_.read(kept.at + 8 * words_of(kept.vertices * sizeof(glm::vec3)), copy.face.data(),
+               kept.faces * sizeof(glm::uvec3));
+    for (const MovedVertex &v : moved)
+      copy.vertex[v.vertex] = v.place;
+    add(copy, nullptr);
+    return;
+  }
+  for (const MovedVertex &v : moved)
+    file_.write(kept.at + v.vertex * sizeof v.place, &v.place, sizeof v.place);
 }
 
 Views SurfaceFile::views() {

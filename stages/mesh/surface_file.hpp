@@ -18,6 +18,11 @@ struct CellNotes {
   std::vector<std::uint64_t> base_node; // where its base mesh stands, as Apart names nodes
 };
 
+struct MovedVertex {
+  std::uint32_t vertex;
+  glm::vec3 place; // as it is written
+};
+
 class SurfaceFile {
 public:
   // Without a name, in `folder`.
@@ -31,6 +36,9 @@ public:
   // Keeps a surface; of several of one cell the last counts. Notes go with those of the first round, which
   // are all that a later run takes over. Any thread.
   void add(const Surface &surface, const CellNotes *notes);
+  // Puts vertices of a kept surface elsewhere. What a later run takes over stays as it was. Any thread, one a
+  // cell.
+  void move(std::uint32_t cell, const std::vector<MovedVertex> &moved);
   // Surfaces with faces, in the order of cells; good until the next call of `views`.
   Views views();
   void forget() const { mapping_.forget(); }
@@ -42,11 +50,13 @@ private:
     std::uint64_t at = 0;
     std::uint32_t vertices = 0, faces = 0;
     glm::dvec3 origin{};
+    bool for_later = false; // a later run may take it over
   };
   void take_over(const std::string &key);
   bool take_record(std::uint64_t size);
 
   SideFile file_;
+  const bool outlives_;    // the run
   std::vector<Kept> kept_; // per cell
   std::vector<std::pair<std::uint32_t, CellNotes>> taken_over_;
   std::uint64_t end_ = 0;

@@ -145,7 +145,7 @@ struct Done {
   std::vector<Pieces> pieces;
   CheckResult check;
   int rounds = 0;
-  std::uint64_t repaired_pairs = 0, base_faces = 0;
+  std::uint64_t repaired_pairs = 0, moved_vertices = 0, base_faces = 0;
   std::size_t taken_over = 0;
 };
 
@@ -169,7 +169,8 @@ inline Done finish_tissue(const Tissue &tissue, SceneOptions scene_options, Fini
   for (const SurfaceView &view : finished.surfaces)
     done.surfaces.push_back(copy_of(view));
   done.pieces = finished.pieces, done.rounds = finished.rounds, done.base_faces = finished.base_faces;
-  done.repaired_pairs = finished.repaired_pairs, done.taken_over = finished.taken_over;
+  done.repaired_pairs = finished.repaired_pairs, done.moved_vertices = finished.moved_vertices;
+  done.taken_over = finished.taken_over;
   CheckOptions check;
   check.reach = 1.5 * options.gap, check.least_gap = options.least_gap();
   done.check = check_surfaces(views_of(done.surfaces), tissue.box, check, workers, {});

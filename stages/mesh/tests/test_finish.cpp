@@ -21,6 +21,20 @@ std::size_t faces(const std::vector<Surface> &surfaces) {
   return sum;
 }
 
+// Of every vertex; simplification knows no other points.
+double farthest_vertex(const Surface &from, const Surface &to) {
+  double worst = 0;
+  for (std::uint32_t v = 0; v < from.vertex.size(); v++) {
+    double least = 1e9;
+    for (const glm::uvec3 &f : to.face) {
+      const Corners t = {to.at(f.x), to.at(f.y), to.at(f.z)};
+      least = std::min(least, point_triangle_distance2(from.at(v), t));
+    }
+    worst = std::max(worst, std::sqrt(least));
+  }
+  return worst;
+}
+
 // Largest distance from the vertices and face centres of one surface to another surface.
 double farthest(const Surface &from, const Surface &to) {
   double worst = 0;
@@ -66,6 +80,29 @@ void simplified_stays_near() {
   }
   const std::vector<float> locked(mesh.surfaces[0].vertex.size());
   CHECK_EQUAL(simplify(mesh.surfaces[0], locked, {}).face.size(), mesh.surfaces[0].face.size());
+}
+
+// A tube as wide as most of tissue: far fewer faces than the grid has, and no vertex of either surface
+// farther from the other than asked.
+void tubes_become_light() {
+  Tissue tissue = empty_box(16);
+  add_tube(tissue, {3, 7, 8}, {12, 9.5, 10}, 0.42);
+  SceneOptions options;
+  options.h = 0.2;
+  const Surface tube = mesh_of(tissue, options, 1, true, true).surfaces[0];
+  for (const double tolerance : {0.01, 0.02}) {
+    const Surface light =
+        simplify(tube, std::vector<float>(tube.vertex.size(), static_cast<float>(tolerance)), {});
+    const double density = double(light.face.size()) / area_of(light), there = farthest_vertex(light, tube),
+                 back = farthest_vertex(tube, light);
+    std::printf("tube, tolerance %.3f: %.1f -> %.1f faces per um2, there %.4f, back %.4f um\n", tolerance,
+                double(tube.face.size()) / area_of(tube), density, there, back);
+    CHECK(density < 0.3 / tolerance);
+    CHECK(there <= tolerance + 1e-7 &&
+          back <= tolerance + 1e-7); // the last digit is that of single precision
+    CHECK_NEAR(volume_of(light) / volume_of(tube), 1, 1e-3);
+    CHECK_EQUAL(euler_characteristic(light), 2);
+  }
 }
 
 Done finish_forest(const Tissue &tissue, double tolerance, unsigned threads, bool cluster = true,
@@ -117,12 +154,53 @@ void forest_is_light_and_sound() {
   // A light mesh differs from the base mesh by the corners that a cluster cuts.
   CHECK_NEAR(volume(clustered) / volume(base), 1, 0.02);
   // A gap is asked for that no mesh keeps: the repair ends at the base mesh, and that is sound.
-  const Done wide = finish_forest(tissue, 0.05, 2, true, 0.3);
+  const Done wide = finish_forest(tissue, 0.05, 2, true, 0.8);
+  std::printf("wide gap: %d rounds, %zu faces\n", wide.rounds, faces(wide.surfaces));
   CHECK(wide.repaired_pairs > 0 && wide.rounds > 0);
   CHECK_EQUAL(wide.check.errors, 0);
   CHECK(faces(wide.surfaces) > 2 * faces(clustered.surfaces));
   for (const double gap : wide.check.min_gap)
     CHECK(gap >= 0.06 / 1.91);
+}
+
+// Wavy tubes that press on one another, each a cell of its own.
+Tissue bundle(int across) {
+  Tissue tissue = empty_box(12);
+  for (int i = 0; i < across * across; i++) {
+    const double x = 1.5 + 1.1 * (i % across), z = 1.5 + 1.1 * (i / across);
+    add_cell(tissue, {x, 1, z}, 0);
+    std::int64_t last = -1;
+    for (int k = 0; k <= 20; k++)
+      last = add_point(
+          tissue, {x + 0.35 * conceg_sin(0.7 * k + i), 1 + 0.5 * k, z + 0.35 * conceg_cos(0.9 * k + 2 * i)},
+          0.7 + 0.13 * conceg_sin(1.3 * k + 3 * i), last);
+  }
+  return tissue;
+}
+
+// Clusters of coarse steps take more from the gap than it has: faces are moved apart, hardly a surface is
+// made again, and the meshes stay light.
+void coarse_meshes_stay_light() {
+  const Tissue tissue = bundle(8);
+  SceneOptions options;
+  options.h = 0.4, options.gap = 0.04;
+  FinishOptions finish_options;
+  finish_options.gap = 0.04;
+  const Done done = finish_tissue(tissue, options, finish_options, 2),
+             other = finish_tissue(tissue, options, finish_options, 3);
+  finish_options.tolerance = 0;
+  const Done light = finish_tissue(tissue, options, finish_options, 2);
+  std::printf("bundle: %llu vertices moved, %d rounds; %zu faces, not simplified %zu; volumes %.1f %.1f\n",
+              static_cast<unsigned long long>(done.moved_vertices), done.rounds, faces(done.surfaces),
+              faces(light.surfaces), volume(done), volume(light));
+  same_bytes(done, other);
+  CHECK(done.moved_vertices > 100);
+  CHECK(done.rounds <= 3);
+  CHECK(faces(done.surfaces) < 0.9 * double(faces(light.surfaces)));
+  CHECK_NEAR(volume(done) / volume(light), 1, 0.002);
+  CHECK_EQUAL(done.check.errors, 0);
+  for (const double gap : done.check.min_gap)
+    CHECK(gap >= 0.02);
 }
 
 // Where the grid is coarse beside the tubes, cells become their base meshes at once and meet light
@@ -131,7 +209,7 @@ void light_neighbours_go_back() {
   SceneOptions options;
   options.h = 0.5;
   FinishOptions finish_options;
-  finish_options.gap = 0.1, finish_options.rounds = 1;
+  finish_options.gap = 0.1, finish_options.rounds = 1, finish_options.nudge = false;
   const Done done = finish_tissue(forest(20, 12, 300, 3), options, finish_options, 2);
   std::printf("coarse forest: %d rounds, %llu places repaired\n", done.rounds,
               static_cast<unsigned long long>(done.repaired_pairs));
@@ -148,7 +226,7 @@ void checking_again_is_checking() {
   conceg::Workers workers(2);
   CheckResult result = check_surfaces(views_of(surfaces), tissue.box, {}, workers, {});
   surfaces[1].origin += glm::dvec3(0.3, 0, 0);
-  check_again(views_of(surfaces), {0, 1}, tissue.box, {}, workers, {}, result);
+  check_again(views_of(surfaces), {{0, 1}}, tissue.box, {}, workers, {}, result);
   const CheckResult whole = check_surfaces(views_of(surfaces), tissue.box, {}, workers, {});
   CHECK(whole.crossings > 0);
   CHECK_EQUAL(result.crossings, whole.crossings);
@@ -189,7 +267,9 @@ void memory_stays_bounded() {
 
 int main() {
   simplified_stays_near();
+  tubes_become_light();
   forest_is_light_and_sound();
+  coarse_meshes_stay_light();
   light_neighbours_go_back();
   checking_again_is_checking();
   faces_know_where_they_belong();

@@ -87,7 +87,8 @@ void killed_run_goes_on() {
   for (const Surface &surface : whole.surfaces)
     faces += surface.face.size();
   const double bytes = double(size_of(side_file)) / double(faces);
-  std::printf("%zu of %.0f faces foreseen, %.2f bytes a face\n", std::size_t(whole.base_faces), foreseen, bytes);
+  std::printf("%zu of %.0f faces foreseen, %.2f bytes a face\n", std::size_t(whole.base_faces), foreseen,
+              bytes);
   CHECK(bytes > 17.9 && bytes < 19);
   std::remove(side_file);
 }
@@ -97,8 +98,10 @@ void real_crossing_is_repaired() {
   const Tissue tissue = fence();
   const Done sound = finish_tissue(tissue, coarse(), {}, 2);
   Surface spoiled = sound.surfaces[4];
-  glm::vec3 &moved = spoiled.vertex[spoiled.vertex.size() / 2];
-  moved += 3.0f * glm::normalize(moved - glm::vec3(spoiled.vertex[0])) + glm::vec3(4, 0, 0);
+  glm::vec3 *moved = &spoiled.vertex[0]; // the one nearest to the middle
+  for (glm::vec3 &v : spoiled.vertex)
+    if (glm::length(v) < glm::length(*moved)) moved = &v;
+  *moved += glm::vec3(4, 0, 0);
   std::remove(side_file);
   {
     SurfaceFile file(side_file, key, tissue.cells());
