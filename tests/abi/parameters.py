@@ -71,7 +71,6 @@ same = {
     "analyse.paths": "the voxels of this tissue are too coarse for it: unit.analyse_paths has finer ones",
     "analyse.pores": "the voxels of this tissue are too coarse for it: unit.analyse_stage has finer ones",
     "analyse.transport": "the voxels of this tissue are too coarse for it: unit.analyse_stage has finer ones",
-    "analyse.spectrum": "no path of this small tissue is long enough: unit.analyse_stage has one",
     "characterise.root": "a folder that the files of this test are not in",
     "characterise.csv": "a folder for files beside the document",
     "characterise.pictures": "a folder for pictures beside the document",
