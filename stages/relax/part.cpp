@@ -17,7 +17,7 @@ constexpr double path_um = 3;     // of a cable that bends aside
 constexpr double most_move = 0.4; // um
 constexpr double more = 1e-4;     // um, aimed at beyond the gap, so that sweeps end
 constexpr double bending = 0.1;   // share of a change of bend that a sweep takes back, in the first half
-constexpr int most_rounds = 10, sweeps = 60;
+constexpr int most_turns = 3, most_rounds = 10, sweeps = 60;
 
 // Closest points of a pair at the least radii, and the four nodes with their weights.
 struct Contact {
@@ -192,22 +192,27 @@ private:
 
 Parted part(Bodies &bodies, const conceg_box &box, double gap, Collider &collider, Workers &workers) {
   Parted parted;
-  // Two points that move by most_move each can meet only when they are in this list.
-  Places places(bodies, box, collider.find(bodies, bodies.floor, box, gap + 2 * most_move, workers).pairs,
-                gap);
-  std::vector<std::uint32_t> tight = places.tight(workers, parted.deepest_before);
-  parted.before = parted.after = tight.size();
-  parted.deepest_after = parted.deepest_before;
-  for (int round = 0; round < most_rounds && !tight.empty(); round++) {
-    places.release(tight);
-    for (int n = 0; n < sweeps; n++) {
-      const bool lengths = n < 3 * sweeps / 4;
-      if (!places.sweep(n < sweeps / 2 ? bending : 0, lengths) && !lengths) break;
-    }
-    tight = places.tight(workers, parted.deepest_after);
+  // Points that are held by most_move may go on from where they are, against a list that is made anew.
+  for (int turn = 0; turn < most_turns; turn++) {
+    // Two points that move by most_move each can meet only when they are in this list.
+    Places places(bodies, box, collider.find(bodies, bodies.floor, box, gap + 2 * most_move, workers).pairs,
+                  gap);
+    std::vector<std::uint32_t> tight = places.tight(workers, parted.deepest_after);
+    if (turn == 0) parted.before = tight.size(), parted.deepest_before = parted.deepest_after;
     parted.after = tight.size();
+    if (tight.empty()) break;
+    for (int round = 0; round < most_rounds && !tight.empty(); round++) {
+      places.release(tight);
+      for (int n = 0; n < sweeps; n++) {
+        const bool lengths = n < 3 * sweeps / 4;
+        if (!places.sweep(n < sweeps / 2 ? bending : 0, lengths) && !lengths) break;
+      }
+      tight = places.tight(workers, parted.deepest_after);
+      parted.after = tight.size();
+    }
+    parted.largest_move = std::max(parted.largest_move, places.largest_move());
+    if (tight.empty()) break;
   }
-  parted.largest_move = places.largest_move();
   return parted;
 }
 
