@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Faces that follow one another lie near one another, so up to eight of them go through the hash as one leaf.
 #include "pairs.hpp"
 #include "distance.hpp"
+#include "leaves.hpp"
 #include "predicates.hpp"
-#include "wide.hpp"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -17,51 +16,9 @@
 namespace conceg::mesh {
 namespace {
 
-constexpr std::uint32_t kLeaf = 8;        // faces
 constexpr double kPlace = 2.5;            // edge of a hash place over the mean size of a face
 constexpr std::size_t kStretch = 1u << 8; // faces of one task, few so that they lie in few slabs
 constexpr double kClearly = 1e-12;        // relative; a plane test is off by 1e-15
-
-struct Bounds {
-  glm::dvec3 low{1e300}, high{-1e300};
-  void add(const Bounds &b) { low = glm::min(low, b.low), high = glm::max(high, b.high); }
-};
-
-// Faces first .. first + count of one surface.
-struct Leaf {
-  std::uint32_t first = 0, count = 0;
-  Bounds whole;
-  std::array<Bounds, kLeaf> face;
-};
-
-// A leaf in the slab, moved by -lift sides into the base box. Boxes are relative to its low corner and
-// rounded outwards.
-struct Item {
-  glm::ivec3 first, last; // hash places of the box with its margin
-  std::uint32_t surface, face, count;
-  std::int16_t lift[3];
-  std::uint8_t changed; // one bit a face
-  float low[3], high[3];
-  float face_low[3][kLeaf], face_high[3][kLeaf];
-};
-
-// Items in blocks, so that a long list takes no more than they do.
-class Items {
-public:
-  void add(const Item &item) {
-    if (count_ == block_.size() * kBlockItems) block_.push_back(std::make_unique<Item[]>(kBlockItems));
-    (*this)[count_++] = item;
-  }
-  std::size_t size() const { return count_; }
-  void clear() { count_ = 0; }
-  Item &operator[](std::size_t i) { return block_[i / kBlockItems][i % kBlockItems]; }
-  const Item &operator[](std::size_t i) const { return block_[i / kBlockItems][i % kBlockItems]; }
-
-private:
-  static constexpr std::size_t kBlockItems = 1024;
-  std::vector<std::unique_ptr<Item[]>> block_;
-  std::size_t count_ = 0;
-};
 
 struct Stretch {
   std::uint32_t surface, first, last; // faces
@@ -69,36 +26,6 @@ struct Stretch {
 };
 
 using Triangle = glm::dvec3[3];
-
-// Which faces of two leaves have boxes that meet, or that are no farther apart than `far` along any axis: one
-// byte a pair.
-struct BoxPairs {
-  std::uint8_t meet[kLeaf][kLeaf], near[kLeaf][kLeaf];
-};
-
-WIDE void compare_boxes(const Item &a, const Item &b, float far, BoxPairs &out) {
-  const float farther = far > 0 ? far : 0;
-  for (std::uint32_t i = 0; i < kLeaf; i++) {
-    bool beyond = false; // the whole leaf
-    for (int axis = 0; axis < 3; axis++)
-      beyond |=
-          (a.face_low[axis][i] - b.high[axis] > farther) | (b.low[axis] - a.face_high[axis][i] > farther);
-    if (beyond) {
-      std::memset(out.meet[i], 0, kLeaf), std::memset(out.near[i], 0, kLeaf);
-      continue;
-    }
-    for (std::uint32_t j = 0; j < kLeaf; j++) {
-      float d = -1e30f;
-      for (int axis = 0; axis < 3; axis++) {
-        const float above = a.face_low[axis][i] - b.face_high[axis][j],
-                    below = b.face_low[axis][j] - a.face_high[axis][i];
-        d = above > d ? above : d;
-        d = below > d ? below : d;
-      }
-      out.meet[i][j] = d <= 0, out.near[i][j] = d <= far;
-    }
-  }
-}
 
 class PairCheck {
 public:

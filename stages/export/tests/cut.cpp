@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A surface cut at the box: its rims on opposite sides are the same to the last bit, and nothing is lost.
 #include "cut.hpp"
+#include "ball.hpp"
 #include "check.h"
 #include "guard.hpp"
 
@@ -16,34 +17,9 @@ using namespace conceg::exporting;
 
 namespace {
 
-// A ball of rings and sectors, uneven, its vertices on the lattice of meshes.
+// An uneven one.
 Surface ball(const glm::dvec3 &centre, double radius) {
-  constexpr int rings = 23, sectors = 31;
-  Surface s;
-  const auto add = [&](double polar, double angle) {
-    const glm::dvec3 p = centre + radius * (1 + 0.05 * std::sin(3 * angle) * std::sin(polar)) *
-                                      glm::dvec3(std::sin(polar) * std::cos(angle),
-                                                 std::sin(polar) * std::sin(angle), std::cos(polar));
-    s.vertex.push_back(glm::floor(p * 0x1p24 + 0.5) * 0x1p-24);
-  };
-  add(0, 0);
-  for (int i = 1; i < rings; i++)
-    for (int j = 0; j < sectors; j++)
-      add(3.14159265 * i / rings, 6.28318531 * (j + 0.3 * i) / sectors);
-  add(3.14159265, 0);
-  const auto at = [&](int i, int j) {
-    return static_cast<std::uint32_t>(1 + (i - 1) * sectors + j % sectors);
-  };
-  const auto last = static_cast<std::uint32_t>(s.vertex.size() - 1);
-  for (int j = 0; j < sectors; j++) {
-    s.face.emplace_back(0u, at(1, j), at(1, j + 1));
-    s.face.emplace_back(last, at(rings - 1, j + 1), at(rings - 1, j));
-    for (int i = 1; i + 1 < rings; i++) {
-      s.face.emplace_back(at(i, j), at(i + 1, j), at(i + 1, j + 1));
-      s.face.emplace_back(at(i, j), at(i + 1, j + 1), at(i, j + 1));
-    }
-  }
-  return s;
+  return testing::ball(centre, radius, 23, 31, 0.05);
 }
 
 double area(const Surface &s) {
