@@ -126,17 +126,17 @@ class Runner:
         analysed = self.folder / f"analysed-{fold}.cgx"
         if not analysed.exists():
             grown = self.grow(fold, self.characterise("synthesis", fold, grown_from), grown_from)
-            self.make(analysed.name, lambda part: self.analyse(grown, part, real, quiet=True))
+            self.make(analysed.name, lambda part: self.analyse(grown, part, real))
             grown.unlink()
         return analysed, real
 
-    def analyse(self, document, out, real, pool=(), folder=None, quiet=False):
+    def analyse(self, document, out, real, pool=(), folder=None):
         words = ["--structure", real]
         if pool:
             words += ["--structure_pool", ",".join(map(str, pool))]
         if folder:
             words += ["--structure_dir", folder]
-        self.conceg("analyse", document, *words, "--points", 0, "--field_step_um", 4, *(["-q"] if quiet else []), "-o", out)
+        self.conceg("analyse", document, *words, "--points", 0, "--field_step_um", 4, "-q", "-o", out)
 
 
 def words_of(text):
@@ -166,6 +166,7 @@ def main():
     (last, real), before = made[-1], [analysed for analysed, _ in made[:-1]]
     pooled = asked.run / "table1.cgx"
     runner.analyse(last, pooled, real, before, asked.run / "table1")
+    print((asked.run / "table1/structure.txt").read_text(), end="")
 
 
 main()

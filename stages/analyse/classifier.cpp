@@ -23,8 +23,7 @@ Moments moments(const std::vector<Labelled> &members, Eigen::Index size, Chosen 
   Moments out;
   out.mean = Vector::Zero(size);
   for (const Labelled &m : members)
-    if (chosen(m))
-      out.weight += m.weight, out.mean += m.weight * Eigen::Map<const Vector>(m.measures, size);
+    if (chosen(m)) out.weight += m.weight, out.mean += m.weight * Eigen::Map<const Vector>(m.measures, size);
   if (out.weight > 0) out.mean /= out.weight;
   return out;
 }

@@ -389,9 +389,7 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
 
   for (const char *name :
        {"summary", "class", "type", "neurite", "bars", "morphometry", "cell", "comparison", "comparison_bars",
-        "composition", "composition_fit", "spectrum", "spectrum_fit", "transport", "pore_space", "paths",
-        "structure", "structure_means", "structure_quantile", "structure_cell", "structure_branch",
-        "structure_donor"})
+        "composition", "composition_fit", "spectrum", "spectrum_fit", "transport", "pore_space", "paths"})
     must(conceg_doc_drop(doc, (std::string("/statistics/") + name).c_str()));
   for (const Table &table :
        {summary_table(cells, measures), class_table(cells, measures), type_table(cells, measures),
@@ -405,6 +403,7 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
   const StructureOptions structure = {conceg_params_text(params, "structure"),
                                       conceg_params_text(params, "structure_pool"),
                                       conceg_params_text(params, "structure_dir")};
+  drop_structure(doc);
   if (structure.asked()) {
     if (!has(doc, "/skeleton/position"))
       fail(CONCEG_E_MISSING, "structure: the document has no /skeleton; give one with grown cells");

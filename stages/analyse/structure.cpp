@@ -122,7 +122,8 @@ void shuffle(std::vector<std::size_t> &rows, conceg_rng &rng) {
 }
 
 struct Halves {
-  std::vector<std::size_t> grown, one, other; // rows of cells, equally many; grown: a cell for each of `other`
+  std::vector<std::size_t> grown, one,
+      other; // rows of cells, equally many; grown: a cell for each of `other`
 };
 
 // Grown cells are drawn without repetition, from the set of the real cell that they stand against, while
@@ -316,8 +317,7 @@ Resampled resample(const std::string &entry, const Pool &pool, const std::vector
   workers.loop(out.bootstraps.size(), 8, [&](std::size_t b, unsigned) {
     conceg_rng rng = conceg_rng_stream(settings.seed, (stream + ".bootstrap").c_str(), b);
     const Choice choice = bootstrap.draw(rng);
-    out.bootstraps[b] =
-        statistics_of(samples, choice.a, choice.b, auc_by_sets(pool, profiles, choice));
+    out.bootstraps[b] = statistics_of(samples, choice.a, choice.b, auc_by_sets(pool, profiles, choice));
   });
   report(progress, what.c_str(), 1, 2);
   if (pool.real() >= fewest_donors) out.grown.resize(settings.splits), out.real.resize(settings.splits);
@@ -338,8 +338,7 @@ Resampled resample(const std::string &entry, const Pool &pool, const std::vector
 } // namespace
 
 const char *name_of(Trait trait) {
-  const char *const names[] = {"order",       "branch_length", "straightness",
-                               "local_angle", "tip_path",      "cable"};
+  const char *const names[] = {"order", "branch_length", "straightness", "local_angle", "tip_path", "cable"};
   return names[static_cast<std::size_t>(trait)];
 }
 const char *unit_of(Trait trait) {

@@ -73,16 +73,16 @@ struct StructureJudgement {
 struct StructureMeans { // of one trait
   Level level = Level::cell;
   Trait trait = Trait::order;
-  Side grown, real;       // grown: each set with the weight of its real cells
-  double wasserstein = 0; // in the trait's unit
-  double p = 0;           // of Kolmogorov and Smirnov, cell level
+  Side grown, real;                                    // grown: each set with the weight of its real cells
+  double wasserstein = 0;                              // in the trait's unit
+  double p = 0;                                        // of Kolmogorov and Smirnov, cell level
   std::vector<double> grown_quantiles, real_quantiles; // at shares 0, 0.05, ... 1
 };
 constexpr std::size_t quantiles = 21;
 
 struct StructureResult {
   std::string entry;
-  std::size_t grown = 0, donors = 0; // that are compared
+  std::size_t grown = 0, donors = 0;                 // that are compared
   std::size_t grown_left_out = 0, real_left_out = 0; // of sets without the other side
   std::vector<StructureMeans> means;
   std::vector<StructureJudgement> judgements;

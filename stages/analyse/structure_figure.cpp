@@ -78,7 +78,8 @@ void draw_structure(const std::string &folder, const std::vector<StructureResult
               r.entry + ": " + std::to_string(r.grown) + " grown, " +
                   (r.donors ? std::to_string(r.donors) + " real" + (r.wide() ? " (wide)" : "") : "none real"),
               {7.0, black, Anchor::left, true, false});
-    const std::vector<Box> boxes = columns({left - 36.0, y, page_width - left + 28.0, row_height - 16.0}, 6, 22.0);
+    const std::vector<Box> boxes =
+        columns({left - 36.0, y, page_width - left + 28.0, row_height - 16.0}, 6, 22.0);
     for (std::size_t k = 0; k < 6; k++)
       if (const StructureMeans *m = find(r, shown[k])) draw_panel(page, boxes[k], *m, shown[k], k == 0);
   }

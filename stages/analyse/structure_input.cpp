@@ -234,11 +234,10 @@ void add_analysed(StructureInput &input, conceg_doc *analysed, const std::string
   const std::vector<std::string> donor_entry = words(analysed, "structure_donor", "entry", donors),
                                  id = words(analysed, "structure_donor", "donor", donors),
                                  use = words(analysed, "structure_donor", "use", donors);
-  const View<std::uint64_t> donor_set =
-      column<std::uint64_t>(analysed, "structure_donor", "set", donors);
+  const View<std::uint64_t> donor_set = column<std::uint64_t>(analysed, "structure_donor", "set", donors);
   for (std::size_t i = 0; i < donors; i++)
-    input.donors.push_back({donor_entry[i], id[i],
-                            input.sets + set_of(donor_set[i], i, "structure_donor"), use[i] == "held back"});
+    input.donors.push_back({donor_entry[i], id[i], input.sets + set_of(donor_set[i], i, "structure_donor"),
+                            use[i] == "held back"});
   check_donors(input.donors);
   input.sets += sets;
 }

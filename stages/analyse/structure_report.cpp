@@ -20,9 +20,12 @@ struct Shown {
   double scale;
 };
 constexpr Shown shown[] = {
-    {Trait::order, "order", 2, 1.0},           {Trait::branch_length, "branch um", 1, 1.0},
-    {Trait::straightness, "straightness", 3, 1.0}, {Trait::local_angle, "angle degree", 1, 1.0},
-    {Trait::tip_path, "path to tips um", 0, 1.0},  {Trait::cable, "cable mm", 2, 1e-3},
+    {Trait::order, "order", 2, 1.0},
+    {Trait::branch_length, "branch um", 1, 1.0},
+    {Trait::straightness, "straightness", 3, 1.0},
+    {Trait::local_angle, "angle degree", 1, 1.0},
+    {Trait::tip_path, "path to tips um", 0, 1.0},
+    {Trait::cable, "cable mm", 2, 1e-3},
 };
 
 // Mean and sd that the paper publishes; of straightness they are of branches, of the rest of cells.
@@ -79,7 +82,8 @@ std::vector<StructureJudgement> against_published(const StructureResult &r) {
   return out;
 }
 
-const std::vector<StructureJudgement> &judged(const StructureResult &r, std::vector<StructureJudgement> &own) {
+const std::vector<StructureJudgement> &judged(const StructureResult &r,
+                                              std::vector<StructureJudgement> &own) {
   if (r.donors) return r.judgements;
   own = against_published(r);
   return own;
@@ -129,8 +133,9 @@ void add_means(const StructureResult &r, Level level, std::vector<std::string> &
 void add_paper(const StructureResult &r, std::vector<std::string> &out) {
   const Published *paper = find_published(r.entry);
   if (!paper) return;
-  for (const auto &[name, row] : {std::pair<const char *, const PublishedRow *>{"  paper, ConCeG", &paper->grown},
-                                  {"  paper, real", &paper->real}})
+  for (const auto &[name, row] :
+       {std::pair<const char *, const PublishedRow *>{"  paper, ConCeG", &paper->grown},
+        {"  paper, real", &paper->real}})
     out.push_back(line_of(name, std::to_string(row->cells), fields_of([row = row](const Shown &c) {
                             MeanSd m;
                             if (!published_value(*row, c.trait, m)) return std::string("-");
@@ -302,13 +307,17 @@ std::vector<std::string> structure_lines(const StructureInput &input,
     add_donors(input, r, out);
   }
   for (const char *line :
-       {"Mean +- sd of the cells' means and of all branches (forks of two, tips); the paper's straightness is "
+       {"Mean +- sd of the cells' means and of all branches (forks of two, tips); the paper's straightness "
+        "is "
         "of branches, the rest of cells.",
-        "Grown minus real, [95 % by bootstrap over donors]. d: Cohen's; W1: first Wasserstein distance over the "
+        "Grown minus real, [95 % by bootstrap over donors]. d: Cohen's; W1: first Wasserstein distance over "
+        "the "
         "real sd; KS: largest difference of the distributions; AUC: of a linear discriminant on all six.",
-        "Halves, floor: the mean of as many grown as real cells as two halves of the donors have, and the 95th "
+        "Halves, floor: the mean of as many grown as real cells as two halves of the donors have, and the "
+        "95th "
         "percentile of half against half of the donors; then the share of halves above that floor.",
-        "Verdict: outside where more than half of them are, within where at most a tenth is (chance: 5 %), else "
+        "Verdict: outside where more than half of them are, within where at most a tenth is (chance: 5 %), "
+        "else "
         "unsure; wide (fewer than 7 donors) is never within. Of a trait: the worst of its statistics."})
     out.emplace_back(line);
   return out;

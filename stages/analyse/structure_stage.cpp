@@ -32,10 +32,11 @@ std::vector<std::string> split(const std::string &list) {
 
 void tell_left_out(conceg_ctx *ctx, const StructureInput &input, const StructureResult &r) {
   if (input.told_of_all && r.donors)
-    conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
-                   "analyse: structure: %s: its dictionary also holds the donors held back, and growth was told "
-                   "the straightness of all; characterise the others alone",
-                   r.entry.c_str());
+    conceg_ctx_log(
+        ctx, CONCEG_LOG_WARNING,
+        "analyse: structure: %s: its dictionary also holds the donors held back, and growth was told "
+        "the straightness of all; characterise the others alone",
+        r.entry.c_str());
   if (r.grown_left_out)
     conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
                    "analyse: structure: %s: %zu grown cells are left out: their set has no real cell",
@@ -47,6 +48,12 @@ void tell_left_out(conceg_ctx *ctx, const StructureInput &input, const Structure
 }
 
 } // namespace
+
+void drop_structure(conceg_doc *doc) {
+  for (const char *name : {"structure", "structure_means", "structure_quantile", "structure_cell",
+                           "structure_branch", "structure_donor"})
+    must(conceg_doc_drop(doc, (std::string("/statistics/") + name).c_str()));
+}
 
 void measure_structure(conceg_ctx *ctx, conceg_doc *doc, const StructureOptions &options, const Cells &cells,
                        const Skeletons &skeletons, Workers &workers) {

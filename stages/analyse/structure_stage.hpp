@@ -16,6 +16,8 @@ struct StructureOptions {
   bool asked() const { return !real.empty() || !pool.empty() || !folder.empty(); }
 };
 
+// Takes away the tables of an earlier run.
+void drop_structure(conceg_doc *doc);
 void measure_structure(conceg_ctx *ctx, conceg_doc *doc, const StructureOptions &options, const Cells &cells,
                        const Skeletons &skeletons, Workers &workers);
 

@@ -51,7 +51,8 @@ StructureGroup group_of(std::size_t donors, std::size_t grown, const Planted &pl
     group.real.push_back(cell_of(rng, {}, "donor " + std::to_string(d), static_cast<std::uint32_t>(d % 5)));
   for (std::size_t g = 0; g < grown; g++) {
     const std::size_t set = g % 5, donor = (set + 1 + g / 5 % 4) % 5; // not of its own set
-    group.grown.push_back(cell_of(rng, planted, "donor " + std::to_string(donor), static_cast<std::uint32_t>(set)));
+    group.grown.push_back(
+        cell_of(rng, planted, "donor " + std::to_string(donor), static_cast<std::uint32_t>(set)));
   }
   return group;
 }
@@ -192,14 +193,17 @@ void shared_donors() {
   group = group_of(10, 20, {}, 10);
   group.real.push_back(group.real[3]);
   refused(refusal([&] { compared(group); }), "donor 3 twice");
-  refused(refusal([] { check_donors({{"x", "one", 0, true}, {"y", "one", 0, false}, {"x", "two", 0, false}}); }),
+  refused(refusal([] {
+            check_donors({{"x", "one", 0, true}, {"y", "one", 0, false}, {"x", "two", 0, false}});
+          }),
           "got one among");
   CHECK_TEXT(refusal([] { check_donors({{"x", "one", 0, true}, {"x", "one", 1, false}}); }).c_str(), "");
 }
 
 // ---- The stage ----
 
-const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("conceg_analyse_structure_" + std::to_string(getpid()));
+const std::filesystem::path folder =
+    std::filesystem::temp_directory_path() / ("conceg_analyse_structure_" + std::to_string(getpid()));
 
 std::string path_of(const char *name) {
   return (folder / name).string();
@@ -297,14 +301,15 @@ void stage() {
   CHECK_EQUAL(one.status, CONCEG_OK);
   CHECK(one.bytes == run(3, put_grown, {real}).bytes);
   // Cell level: order, length, straightness, angle, path to tips, cable of the real cells, without the axon.
-  const double expected[] = {5.0 / 3, (4.0 + 5.0) / 2, (0.9 + 0.8) / 2, 57.29577951308232 * 1.35,
+  const double expected[] = {5.0 / 3,          (4.0 + 5.0) / 2,  (0.9 + 0.8) / 2, 57.29577951308232 * 1.35,
                              (7.5 + 10.5) / 2, (12.0 + 15.0) / 2};
   for (std::size_t t = 0; t < 6; t++)
     CHECK_NEAR(one.real_mean[t], expected[t], 1e-12);
   for (const std::string &verdict : one.verdict)
     CHECK_TEXT(verdict.c_str(), "-"); // two donors bound nothing
-  for (const char *piece : {"L23_pyramidal: 2 donors: wide", "grown from one two; held back held one held two",
-                            "paper, real", "astrocyte: no real cell; against the published row"})
+  for (const char *piece :
+       {"L23_pyramidal: 2 donors: wide", "grown from one two; held back held one held two", "paper, real",
+        "astrocyte: no real cell; against the published row"})
     if (one.log.find(piece) == std::string::npos) {
       CHECK(!"a piece of the printed table");
       fprintf(stderr, "missing: %s\n%s", piece, one.log.c_str());
@@ -319,14 +324,15 @@ void stage() {
   CHECK(pooled.log.find("L23_pyramidal: 4 donors: wide") != std::string::npos);
   CHECK(pooled.log.find("set 1: grown from one two; held back held one held two") != std::string::npos);
   CHECK_NEAR(pooled.real_mean[5], 13.5, 1e-12);
-  for (const char *name : {"structure.csv", "structure_means.csv", "structure_branch.csv", "structure_cell.csv",
-                           "structure_donor.csv", "structure_quantile.csv", "structure.txt"})
+  for (const char *name :
+       {"structure.csv", "structure_means.csv", "structure_branch.csv", "structure_cell.csv",
+        "structure_donor.csv", "structure_quantile.csv", "structure.txt"})
     CHECK(std::filesystem::file_size(folder / "tables" / name) > 50);
   // A pool of pools keeps its sets apart.
   write_real("third.cgx", nothing, {"held five", "held six"});
-  const Run twice = run(2, put_grown,
-                        {"analyse.structure=" + path_of("third.cgx"),
-                         "analyse.structure_pool=" + path_of("pooled.cgx")});
+  const Run twice =
+      run(2, put_grown,
+          {"analyse.structure=" + path_of("third.cgx"), "analyse.structure_pool=" + path_of("pooled.cgx")});
   CHECK(twice.log.find("L23_pyramidal: 6 donors: wide") != std::string::npos);
 }
 
@@ -347,7 +353,8 @@ void stage_refuses() {
   // Donors on both sides are named, whatever their entry.
   write_real("shared.cgx", nothing, {"held one", "three"});
   const std::string shared = "analyse.structure=" + path_of("shared.cgx");
-  refused(error_of(put_grown, {shared}, CONCEG_E_RANGE), "got three among those of the grown and of the real");
+  refused(error_of(put_grown, {shared}, CONCEG_E_RANGE),
+          "got three among those of the grown and of the real");
   // Marked as held back it is none of those grown from; what the entry says is still of it, which is told.
   const Run marked = run(1,
                          [](conceg_doc *doc) {
@@ -360,7 +367,8 @@ void stage_refuses() {
   CHECK(marked.log.find("growth was told the straightness of all") != std::string::npos);
   write_real("astray.cgx",
              [](conceg_doc *doc) {
-               put_texts(doc, "/statistics/section_metrics/entry", std::vector<std::string>(7, "L6_pyramidal"));
+               put_texts(doc, "/statistics/section_metrics/entry",
+                         std::vector<std::string>(7, "L6_pyramidal"));
              },
              {"held one", "held two"});
   refused(error_of(put_grown, {"analyse.structure=" + path_of("astray.cgx")}, CONCEG_E_RANGE),
@@ -372,7 +380,9 @@ void stage_refuses() {
   refused(error_of(put_grown, {real, "analyse.structure_pool=" + path_of("analysed.cgx")}, CONCEG_E_RANGE),
           "held one twice");
   write_real("short.cgx",
-             [](conceg_doc *doc) { put(doc, "/statistics/section_metrics/length", std::vector<double>{1, 2}); },
+             [](conceg_doc *doc) {
+               put(doc, "/statistics/section_metrics/length", std::vector<double>{1, 2});
+             },
              {"held one", "held two"});
   refused(error_of(put_grown, {"analyse.structure=" + path_of("short.cgx")}, CONCEG_E_FORMAT), "length");
 }
