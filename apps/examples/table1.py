@@ -163,9 +163,8 @@ def main():
         shutil.copy(barcodes, asked.run)
     runner = Runner(asked)
     made = [runner.fold(fold) for fold in asked.folds]
-    (last, real), before = made[-1], [analysed for analysed, _ in made[:-1]]
-    pooled = asked.run / "table1.cgx"
-    runner.analyse(last, pooled, real, before, asked.run / "table1")
+    (first, real), others = made[0], [analysed for analysed, _ in made[1:]]  # sets are numbered in this order
+    runner.analyse(first, asked.run / "table1.cgx", real, others, asked.run / "table1")
     print((asked.run / "table1/structure.txt").read_text(), end="")
 
 

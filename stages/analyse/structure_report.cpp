@@ -222,7 +222,8 @@ void add_donors(const StructureInput &input, const StructureResult &r, std::vect
 
 std::string heading(const StructureResult &r) {
   if (!r.donors) return r.entry + ": no real cell; against the published row";
-  return r.entry + ": " + std::to_string(r.donors) + " donors" + (r.wide() ? ": wide" : "");
+  return r.entry + ": " + std::to_string(r.donors) + (r.donors == 1 ? " donor" : " donors") +
+         (r.wide() ? ": wide" : "");
 }
 
 } // namespace

@@ -43,9 +43,9 @@ check "grown from the others alone" line '^dictionary: made/synthesis-1.cgx' mad
 check "at cortical density" line 'size_um: \[45.428, 45.428, 45.428\]' made/recipe-0.yaml # (12 / 1.28e-4)^(1/3)
 check "a seed for each fold" line '^seed: 2' made/recipe-1.yaml
 check "held against those" line '^analyse made/grown-1.cgx --structure made/validation-1.cgx ' words
-check "folds are pooled" line '^analyse made/analysed-1.cgx --structure made/validation-1.cgx --structure_pool made/analysed-0.cgx --structure_dir made/table1 ' words
+check "folds are pooled" line '^analyse made/analysed-0.cgx --structure made/validation-0.cgx --structure_pool made/analysed-1.cgx --structure_dir made/table1 ' words
 before=$(wc -l <words)
-check "what is there is not made again" run --folds 0,1
+check "what is there is not made again" run --folds 0,1 >shown
 check "but pooled" test "$(wc -l <words)" = $((before + 1))
 check "a fold without donors" refuses 'fold 3: expected donors to hold back, got none' run --folds 3
 check "an entry that is not there" refuses 'cells.csv: expected donors of nowhere, got none' run --entries nowhere

@@ -161,6 +161,31 @@ void weights_of_sets() {
   CHECK(std::isnan(found(r, Level::cell, Trait::straightness, Statistic::kolmogorov).value));
 }
 
+// A dendrite with a fork of two, and an axon; -1 where a branch has no such value.
+void branches_of_dendrites() {
+  metrics::Metrics cell;
+  const auto section = [&](std::int64_t parent, std::uint32_t tree, int kind, int order, double length) {
+    metrics::Section s;
+    s.parent = parent, s.tree = tree, s.kind = kind, s.order = order, s.length = s.path_distance = length;
+    cell.sections.push_back(s);
+  };
+  section(-1, 0, 3, 1, 5), section(0, 0, 3, 2, 1), section(0, 0, 3, 2, 4), section(-1, 1, axon_code, 1, 700);
+  cell.sections[0].children = 2, cell.sections[0].local_angle = 1.5707963267948966;
+  cell.sections[0].straightness_1um = 0.9;
+  const std::vector<Branch> found = branches_of(cell);
+  CHECK_EQUAL(found.size(), 3);
+  CHECK(found[0] == (Branch{1, 5, 0.9, found[0][3], -1}) && found[1] == (Branch{2, 1, -1, -1, 1}));
+  CHECK_NEAR(found[0][3], 90, 1e-12);
+  StructureCell one;
+  one.branches = found;
+  CHECK_NEAR(values_at(one, Trait::cable, Level::cell).at(0), 10, 0);
+  CHECK_NEAR(values_at(one, Trait::branch_length, Level::cell).at(0), 10.0 / 3, 1e-12);
+  CHECK_EQUAL(values_at(one, Trait::local_angle, Level::branch).size(), 1);
+  one.branches.clear();
+  CHECK(values_at(one, Trait::order, Level::cell).empty() &&
+        values_at(one, Trait::cable, Level::cell)[0] == 0);
+}
+
 void same_for_any_threads() {
   const StructureGroup group = group_of(12, 24, {}, 8);
   const StructureResult one = compared(group, 1), three = compared(group, 3);
@@ -394,6 +419,7 @@ int main(void) {
   planted_differences();
   few_donors();
   weights_of_sets();
+  branches_of_dendrites();
   same_for_any_threads();
   shared_donors();
   std::filesystem::remove_all(folder);

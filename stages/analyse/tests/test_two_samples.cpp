@@ -104,9 +104,10 @@ void shifted_normals() {
   CHECK_NEAR(wider.wasserstein, 0.5 * std::sqrt(2 / 3.14159265358979), 0.03); // E abs(z) times 0.5
 }
 
-// Tabulated: Q(1.2238) = 0.10, Q(1.3581) = 0.05, Q(1.6276) = 0.01 of Kolmogorov's law.
+// Tabulated: Q(0.82757) = 0.50, Q(1.2238) = 0.10, Q(1.3581) = 0.05, Q(1.6276) = 0.01 of Kolmogorov's law.
 void probabilities() {
   const double n = 1e8, root = std::sqrt(n / 2);
+  CHECK_NEAR(kolmogorov_p(0.82757 / root, n, n), 0.50, 1e-4);
   CHECK_NEAR(kolmogorov_p(1.2238 / root, n, n), 0.10, 1e-4);
   CHECK_NEAR(kolmogorov_p(1.3581 / root, n, n), 0.05, 1e-4);
   CHECK_NEAR(kolmogorov_p(1.6276 / root, n, n), 0.01, 1e-4);
