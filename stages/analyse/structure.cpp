@@ -251,8 +251,9 @@ double shown_size(Statistic statistic, double size) {
 
 std::string verdict_of(std::size_t donors, double above) {
   if (donors < fewest_donors || std::isnan(above)) return "-";
-  if (above > exceeds_often) return "outside";
-  return above > exceeds_rarely || donors < many_donors ? "unsure" : "within";
+  const bool wide = donors < many_donors;
+  if (above > (wide ? exceeds_always : exceeds_often)) return "outside";
+  return above > exceeds_rarely || wide ? "unsure" : "within";
 }
 
 std::vector<double> column(const std::vector<Found> &rows, std::size_t i, Statistic statistic, bool sizes) {

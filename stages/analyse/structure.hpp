@@ -48,7 +48,7 @@ struct StructureSettings {
 };
 
 constexpr std::size_t fewest_donors = 4, many_donors = 7; // to be split at all; not to be called wide
-constexpr double exceeds_rarely = 0.10, exceeds_often = 0.50;
+constexpr double exceeds_rarely = 0.10, exceeds_often = 0.50, exceeds_always = 0.95; // the last of wide ones
 
 enum class Statistic { cohens_d, sd_ratio, wasserstein, kolmogorov, auc };
 constexpr std::size_t statistics = 5;

@@ -309,17 +309,13 @@ std::vector<std::string> structure_lines(const StructureInput &input,
   }
   for (const char *line :
        {"Mean +- sd of the cells' means and of all branches (forks of two, tips); the paper's straightness "
-        "is "
-        "of branches, the rest of cells.",
+        "is of branches, the rest of cells.",
         "Grown minus real, [95 % by bootstrap over donors]. d: Cohen's; W1: first Wasserstein distance over "
-        "the "
-        "real sd; KS: largest difference of the distributions; AUC: of a linear discriminant on all six.",
+        "the real sd; KS: largest difference of the distributions; AUC: of a linear discriminant on all six.",
         "Halves, floor: the mean of as many grown as real cells as two halves of the donors have, and the "
-        "95th "
-        "percentile of half against half of the donors; then the share of halves above that floor.",
-        "Verdict: outside where more than half of them are, within where at most a tenth is (chance: 5 %), "
-        "else "
-        "unsure; wide (fewer than 7 donors) is never within. Of a trait: the worst of its statistics."})
+        "95th percentile of half against half of the donors; then the share of halves above that floor.",
+        "Verdict: outside where more than half of them are (wide, of fewer than 7 donors: 95 %), within where "
+        "at most a tenth is (chance: 5 %; wide: never), else unsure. Of a trait: the worst of its statistics."})
     out.emplace_back(line);
   return out;
 }

@@ -117,6 +117,12 @@ void few_donors() {
   CHECK(wide.wide());
   for (const StructureJudgement &j : wide.judgements)
     CHECK(j.verdict != "within");
+  for (const StructureJudgement &j : wide.judgements)
+    CHECK(j.verdict == (j.above > 0.95 ? "outside" : "unsure"));
+  Planted crooked;
+  crooked.straightness = 0.67; // the paper's
+  const StructureResult far = compared(group_of(6, 20, crooked, 7));
+  CHECK_TEXT(found(far, Level::branch, Trait::straightness, Statistic::cohens_d).verdict.c_str(), "outside");
   for (const std::size_t donors : {1, 2, 3}) {
     const StructureResult few = compared(group_of(donors, 20, {}, 5));
     CHECK_EQUAL(few.donors, donors);
