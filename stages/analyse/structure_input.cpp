@@ -4,6 +4,7 @@
 #include "view.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 namespace conceg::analyse {
@@ -19,6 +20,9 @@ View<T> column(conceg_doc *doc, const std::string &table, const char *name, std:
   const View<T> out = view<T>(doc, path.c_str());
   if (out.rows() != rows)
     fail(CONCEG_E_FORMAT, "%s: expected %zu values, got %zu", path.c_str(), rows, out.rows());
+  for (std::size_t i = 0; i < rows; i++)
+    if (!std::isfinite(static_cast<double>(out[i])))
+      fail(CONCEG_E_FORMAT, "%s[%zu]: expected a finite number", path.c_str(), i);
   return out;
 }
 std::vector<std::string> words(conceg_doc *doc, const std::string &table, const char *name,

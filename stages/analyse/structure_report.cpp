@@ -314,8 +314,9 @@ std::vector<std::string> structure_lines(const StructureInput &input,
         "the real sd; KS: largest difference of the distributions; AUC: of a linear discriminant on all six.",
         "Halves, floor: the mean of as many grown as real cells as two halves of the donors have, and the "
         "95th percentile of half against half of the donors; then the share of halves above that floor.",
-        "Verdict: outside where more than half of them are (wide, of fewer than 7 donors: 95 %), within where "
-        "at most a tenth is (chance: 5 %; wide: never), else unsure. Of a trait: the worst of its statistics."})
+        "Verdict: outside where more than half of them are (wide, of fewer than 7 donors: 95 %), within "
+        "where at most a tenth is (chance: 5 %; wide: never), else unsure. Of a trait: the worst of its "
+        "statistics."})
     out.emplace_back(line);
   return out;
 }

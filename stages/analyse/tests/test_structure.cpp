@@ -416,6 +416,14 @@ void stage_refuses() {
              },
              {"held one", "held two"});
   refused(error_of(put_grown, {"analyse.structure=" + path_of("short.cgx")}, CONCEG_E_FORMAT), "length");
+  write_real(
+      "nan.cgx",
+      [](conceg_doc *doc) {
+        put(doc, "/statistics/section_metrics/path_distance", std::vector<double>{3, NAN, 7, 6, 7, 14, 500});
+      },
+      {"held one", "held two"});
+  refused(error_of(put_grown, {"analyse.structure=" + path_of("nan.cgx")}, CONCEG_E_FORMAT),
+          "path_distance[1]: expected a finite");
 }
 
 } // namespace
