@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 
 namespace conceg::analyse {
@@ -28,11 +29,13 @@ Moments moments(const std::vector<Labelled> &members, Eigen::Index size, Chosen 
   return out;
 }
 
-// The direction along which the first sample scores higher; empty when a sample is missing. `fold` is left
-// out.
-Vector discriminant(const std::vector<Labelled> &members, std::uint32_t fold, Eigen::Index size,
-                    double ridge) {
-  const auto training = [&](const Labelled &m) { return m.fold != fold && m.weight > 0; };
+// The direction along which the first sample scores higher; empty when a sample is missing. Two origins are
+// left out.
+Vector discriminant(const std::vector<Labelled> &members, std::uint32_t one, std::uint32_t other,
+                    Eigen::Index size, double ridge) {
+  const auto training = [&](const Labelled &m) {
+    return m.origin != one && m.origin != other && m.weight > 0;
+  };
   const Moments all = moments(members, size, training);
   const Moments first = moments(members, size, [&](const Labelled &m) { return training(m) && m.first; });
   const Moments second = moments(members, size, [&](const Labelled &m) { return training(m) && !m.first; });
@@ -60,25 +63,29 @@ Vector discriminant(const std::vector<Labelled> &members, std::uint32_t fold, Ei
 
 double cross_validated_auc(const std::vector<Labelled> &members, std::size_t measures, double ridge) {
   const auto size = static_cast<Eigen::Index>(measures);
-  std::set<std::uint32_t> folds;
+  std::map<std::uint32_t, std::set<std::uint32_t>> origins; // of the first sample, by fold
   for (const Labelled &m : members)
-    folds.insert(m.fold);
+    if (m.first && m.weight > 0) origins[m.fold].insert(m.origin);
   double sum = 0, weight = 0;
-  for (const std::uint32_t fold : folds) {
-    const Vector direction = discriminant(members, fold, size, ridge);
-    if (!direction.size()) continue;
-    const auto score = [&](const Labelled &m) {
-      return direction.dot(Eigen::Map<const Vector>(m.measures, size));
-    };
+  for (const auto &[fold, firsts] : origins) {
     double right = 0, pairs = 0, seconds = 0;
-    for (const Labelled &two : members) {
-      if (two.first || two.fold != fold || !(two.weight > 0)) continue;
-      seconds += two.weight;
-      const double low = score(two);
-      for (const Labelled &one : members) {
-        if (!one.first || one.fold != fold || !(one.weight > 0)) continue;
-        const double high = score(one), pair = one.weight * two.weight;
-        pairs += pair, right += pair * (high > low ? 1.0 : high == low ? 0.5 : 0.0);
+    for (const Labelled &m : members)
+      if (!m.first && m.fold == fold) seconds += m.weight;
+    if (!(seconds > 0)) continue;
+    for (const std::uint32_t origin : firsts) {
+      const Vector direction = discriminant(members, origin, fold, size, ridge);
+      if (!direction.size()) continue;
+      const auto score = [&](const Labelled &m) {
+        return direction.dot(Eigen::Map<const Vector>(m.measures, size));
+      };
+      for (const Labelled &two : members) {
+        if (two.first || two.fold != fold || !(two.weight > 0)) continue;
+        const double low = score(two);
+        for (const Labelled &one : members) {
+          if (!one.first || one.fold != fold || one.origin != origin || !(one.weight > 0)) continue;
+          const double high = score(one), pair = one.weight * two.weight;
+          pairs += pair, right += pair * (high > low ? 1.0 : high == low ? 0.5 : 0.0);
+        }
       }
     }
     if (pairs > 0) sum += seconds * (right / pairs), weight += seconds;

@@ -199,24 +199,43 @@ Profiles profiles_of(const Pool &pool) {
   return out;
 }
 
+// The fold of the real cell that a donor is; of other donors the cell's own fold.
+using FoldOfDonor = std::map<std::string, std::uint32_t>;
+std::uint32_t origin_of(const FoldOfDonor &fold_of, const std::string &donor, std::uint32_t own) {
+  const auto found = fold_of.find(donor);
+  return found == fold_of.end() ? own : found->second;
+}
+
 double auc_by_sets(const Pool &pool, const Profiles &profiles, const Choice &choice) {
+  FoldOfDonor fold_of;
+  for (std::size_t i = pool.grown; i < pool.cells.size(); i++)
+    fold_of[pool.cells[i]->donor] = pool.cells[i]->set;
   std::vector<Labelled> members;
-  for (std::size_t i = 0; i < pool.cells.size(); i++)
+  for (std::size_t i = 0; i < pool.cells.size(); i++) {
+    const StructureCell &cell = *pool.cells[i];
     if (profiles.known[i])
-      members.push_back({profiles.row[i].data(), i < pool.grown, pool.cells[i]->set,
+      members.push_back({profiles.row[i].data(), i < pool.grown, cell.set,
+                         origin_of(fold_of, cell.donor, cell.set),
                          i < pool.grown ? choice.a[i] : choice.b[i]});
+  }
   return cross_validated_auc(members, traits);
 }
 
-double auc_of_halves(const Profiles &profiles, const std::vector<std::size_t> &a,
-                     const std::vector<std::size_t> &b) {
+// `a` is one of the others of `halves`, which are cut into fifths.
+double auc_of_halves(const Pool &pool, const Profiles &profiles, const Halves &halves,
+                     const std::vector<std::size_t> &a) {
+  FoldOfDonor fold_of;
+  for (std::uint32_t k = 0; k < halves.other.size(); k++)
+    fold_of[pool.cells[halves.one[k]]->donor] = fold_of[pool.cells[halves.other[k]]->donor] =
+        k % folds_of_halves;
   std::vector<Labelled> members;
   const auto add = [&](const std::vector<std::size_t> &rows, bool first) {
     for (std::uint32_t k = 0; k < rows.size(); k++)
       if (profiles.known[rows[k]])
-        members.push_back({profiles.row[rows[k]].data(), first, k % folds_of_halves});
+        members.push_back({profiles.row[rows[k]].data(), first, k % folds_of_halves,
+                           origin_of(fold_of, pool.cells[rows[k]]->donor, k % folds_of_halves)});
   };
-  add(a, true), add(b, false);
+  add(a, true), add(halves.other, false);
   return cross_validated_auc(members, traits);
 }
 
@@ -328,9 +347,9 @@ Resampled resample(const std::string &entry, const Pool &pool, const std::vector
     const std::size_t cells = pool.cells.size();
     const Weights other = weights_of(cells, halves.other);
     out.grown[s] = statistics_of(samples, weights_of(cells, halves.grown), other,
-                                 auc_of_halves(profiles, halves.grown, halves.other));
+                                 auc_of_halves(pool, profiles, halves, halves.grown));
     out.real[s] = statistics_of(samples, weights_of(cells, halves.one), other,
-                                auc_of_halves(profiles, halves.one, halves.other));
+                                auc_of_halves(pool, profiles, halves, halves.one));
   });
   report(progress, what.c_str(), 2, 2);
   return out;

@@ -128,8 +128,8 @@ double auc(std::size_t count, std::size_t size, double shift, std::uint32_t fold
   const std::vector<double> a = normals(count * size, shift, 1, id), b = normals(count * size, 0, 1, id + 1);
   std::vector<Labelled> members;
   for (std::size_t i = 0; i < count; i++) {
-    members.push_back({&a[i * size], true, static_cast<std::uint32_t>(i) % folds});
-    members.push_back({&b[i * size], false, static_cast<std::uint32_t>(i) % folds});
+    const std::uint32_t fold = static_cast<std::uint32_t>(i) % folds;
+    members.push_back({&a[i * size], true, fold, fold}), members.push_back({&b[i * size], false, fold, fold});
   }
   return cross_validated_auc(members, size);
 }
@@ -147,13 +147,39 @@ void classifier() {
   CHECK_NEAR(auc(4, 2, 50.0, 4, 40), 1, 0);
   CHECK(std::isnan(auc(3, 2, 0.0, 1, 50))); // one fold: nothing is left to train on
   const double value = 1;
-  CHECK(std::isnan(cross_validated_auc({{&value, true, 0}, {&value, true, 1}}, 1)));
+  CHECK(std::isnan(cross_validated_auc({{&value, true, 0, 0}, {&value, true, 1, 1}}, 1)));
   CHECK(std::isnan(cross_validated_auc({}, 1)));
   // A measure that does not vary says nothing.
   const double flat[] = {2, 2, 2, 2};
-  CHECK_NEAR(cross_validated_auc(
-                 {{flat, true, 0}, {flat + 1, false, 0}, {flat + 2, true, 1}, {flat + 3, false, 1}}, 1),
-             0.5, 0);
+  CHECK_NEAR(
+      cross_validated_auc(
+          {{flat, true, 0, 0}, {flat + 1, false, 0, 0}, {flat + 2, true, 1, 1}, {flat + 3, false, 1, 1}}, 1),
+      0.5, 0);
+}
+
+// Copies of the second sample, each judged in the fold after that of what it is a copy of: there is nothing
+// to be found. A discriminant that has seen the copies of whom it judges is worse than chance.
+double auc_of_copies(bool told, std::uint64_t id) {
+  constexpr std::size_t count = 20, size = 6;
+  const std::vector<double> b = normals(count * size, 0, 1, id),
+                            noise = normals(count * size, 0, 0.3, id + 1);
+  std::vector<double> a(b.size());
+  for (std::size_t i = 0; i < a.size(); i++)
+    a[i] = b[i] + noise[i];
+  std::vector<Labelled> members;
+  for (std::uint32_t i = 0; i < count; i++) {
+    const std::uint32_t fold = i % 5, next = (fold + 1) % 5;
+    members.push_back({&b[i * size], false, fold, fold});
+    members.push_back({&a[i * size], true, next, told ? fold : next});
+  }
+  return cross_validated_auc(members, size);
+}
+void copies() {
+  double told = 0, untold = 0;
+  for (std::uint64_t k = 0; k < 200; k++)
+    told += auc_of_copies(true, 1000 + 2 * k) / 200, untold += auc_of_copies(false, 1000 + 2 * k) / 200;
+  CHECK_NEAR(told, 0.5, 0.03);
+  CHECK(untold < 0.40);
 }
 
 } // namespace
@@ -167,5 +193,6 @@ int main(void) {
   probabilities();
   quantiles_and_means();
   classifier();
+  copies();
   return check_done();
 }
