@@ -58,7 +58,7 @@ cells=${CONCEG_SHARED:-}/morphologies
 if [ -d "$cells/mouse_vis_L6a_int" ]; then
   two() { table1 --run real --root "$cells" --entries L6_interneuron,astrocyte --folds 0,1 --cells 2 >real.txt; }
   check "two folds of real cells" two
-  check "donors are named" line 'set 0: grown from .*; held back 323452196$' real.txt
+  check "donors are named" line 'set 1: grown from .*; held back 323452196$' real.txt
   check "and few" line '^L6_interneuron: 2 donors: wide' real.txt
   check "the paper stands beside" line 'paper, real +21 +3.10 \+- 0.42' real.txt
   check "the figure is there" test -s real/table1/structure.csv
