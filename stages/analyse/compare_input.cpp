@@ -69,16 +69,22 @@ private:
 
 } // namespace
 
+void measure_grown(const Cells &cells, const Skeletons &skeletons, Workers &workers, const Progress &progress,
+                   const std::function<void(std::size_t, const metrics::Metrics &)> &take) {
+  report(progress, "comparing cells", 0, cells.type.size());
+  workers.loop(cells.type.size(), 1, [&](std::size_t cell, unsigned) {
+    take(cell, metrics::measure(samples_of(cells, skeletons, cell), sholl_step_um));
+  });
+  report(progress, "comparing cells", cells.type.size(), cells.type.size());
+}
+
 std::vector<Shapes> grown_shapes(const Cells &cells, const Skeletons &skeletons, Workers &workers,
                                  const Progress &progress) {
   std::vector<Shapes> out(cells.type.size());
-  report(progress, "comparing cells", 0, out.size());
-  workers.loop(out.size(), 1, [&](std::size_t cell, unsigned) {
-    const metrics::Metrics measured = metrics::measure(samples_of(cells, skeletons, cell), sholl_step_um);
+  measure_grown(cells, skeletons, workers, progress, [&](std::size_t cell, const metrics::Metrics &measured) {
     for (const Part part : {Part::dendrites, Part::axon})
       out[cell][static_cast<std::size_t>(part)] = shape_of(measured, part);
   });
-  report(progress, "comparing cells", out.size(), out.size());
   return out;
 }
 

@@ -6,9 +6,14 @@
 #include "parallel.hpp"
 #include "tissue.hpp"
 
+#include <functional>
+
 namespace conceg::analyse {
 
-// Branches of every cell by its skeleton; in parallel over cells.
+// Metrics of every cell by its skeleton; `take` is called in parallel over cells.
+void measure_grown(const Cells &cells, const Skeletons &skeletons, Workers &workers, const Progress &progress,
+                   const std::function<void(std::size_t cell, const metrics::Metrics &)> &take);
+// Branches of every cell as sums.
 std::vector<Shapes> grown_shapes(const Cells &cells, const Skeletons &skeletons, Workers &workers,
                                  const Progress &progress);
 

@@ -2,20 +2,14 @@
 #include "compare_report.hpp"
 
 #include "published.hpp"
+#include "report_lines.hpp"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace conceg::analyse {
 namespace {
 
-constexpr std::size_t name_width = 24, cells_width = 7, field_width = 16, bar_field_width = 11;
-
-template <class... Values> std::string written(const char *format, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
+constexpr std::size_t bar_field_width = 11;
 
 // The columns of the printed table.
 struct Shown {
@@ -32,21 +26,6 @@ constexpr Shown shown[] = {
     {Measure::cable, "cable mm", 2, 3, 1e-3},
     {Measure::tips, "tips", 1, 1, 1.0},
 };
-
-void pad(std::string &line, const std::string &field, std::size_t width) {
-  line += std::string(field.size() < width ? width - field.size() : 1, ' ') + field;
-}
-
-std::string line_of(const std::string &name, const std::string &cells, const std::vector<std::string> &fields,
-                    std::size_t width = field_width) {
-  std::string line = name;
-  line.resize(std::max(line.size(), name_width), ' ');
-  pad(line, cells, cells_width);
-  for (const std::string &field : fields)
-    pad(line, field, width);
-  line.erase(line.find_last_not_of(' ') + 1);
-  return line;
-}
 
 // The rows of one type and part, found by measure.
 using Block = std::vector<const ComparisonRow *>;

@@ -5,6 +5,7 @@
 #include "composition.hpp"
 #include "experiment_tables.hpp"
 #include "spectrum.hpp"
+#include "structure_stage.hpp"
 #include "tables.hpp"
 
 #include "conceg/stage.h"
@@ -399,6 +400,15 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
     if (table.name != "cell" && table.name != "type") log_table(ctx, table);
   }
   if (conceg_params_bool(params, "compare")) compare_document(ctx, doc, cells, workers);
+  const StructureOptions structure = {conceg_params_text(params, "structure"),
+                                      conceg_params_text(params, "structure_pool"),
+                                      conceg_params_text(params, "structure_dir")};
+  drop_structure(doc);
+  if (structure.asked()) {
+    if (!has(doc, "/skeleton/position"))
+      fail(CONCEG_E_MISSING, "structure: the document has no /skeleton; give one with grown cells");
+    measure_structure(ctx, doc, structure, cells, read_skeletons(doc, cells), workers);
+  }
   if (conceg_params_bool(params, "composition")) measure_composition(ctx, doc, params, cells, box, workers);
   const auto extracellular = [&](const char *what) {
     return extracellular_voxels(ctx, doc, cells, box, measures.pores, what, workers);
@@ -437,6 +447,15 @@ const conceg_param parameters[] = {
      nullptr, CONCEG_PARAM_F64, 0, 0, 1},
     {"compare", "", "hold the grown cells against what they were asked for and against the dictionary",
      "false", nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
+    {"structure", "",
+     "document of real cells (characterise) that no cell was grown from: the grown cells are held against "
+     "them",
+     "", nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
+    {"structure_pool", "",
+     "documents that were analysed so before, separated by commas: their cells are added", "", nullptr,
+     CONCEG_PARAM_FILE, 0, 0, 0},
+    {"structure_dir", "", "folder for its tables as comma-separated files and its figure; made when absent",
+     "", nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
     {"composition", "",
      "composition scaling: the largest piece of one cell in cubes of 2 to 75 um, from /volumes", "false",
      nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},

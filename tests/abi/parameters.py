@@ -71,6 +71,7 @@ same = {
     "analyse.paths": "the voxels of this tissue are too coarse for it: unit.analyse_paths has finer ones",
     "analyse.pores": "the voxels of this tissue are too coarse for it: unit.analyse_stage has finer ones",
     "analyse.transport": "the voxels of this tissue are too coarse for it: unit.analyse_stage has finer ones",
+    "analyse.structure_dir": "a folder for files beside the document",
     "characterise.root": "a folder that the files of this test are not in",
     "characterise.csv": "a folder for files beside the document",
     "characterise.pictures": "a folder for pictures beside the document",
@@ -88,6 +89,9 @@ same = {
 }
 # Texts and paths have no bounds.
 texts = {
+    "analyse.structure": "{work}/real.cgx",
+    "analyse.structure_pool": "{work}/analysed.cgx",
+    "analyse.structure_dir": "{work}/structure",
     "characterise.entry": "others",
     "characterise.table": "{work}/two.csv",
     "characterise.root": "{work}",
@@ -143,6 +147,8 @@ needs = {
     **{f"export.{name}": ["--to", "mcdc", "--walkers", "10"] for name in ("diffusivity_um2_per_ms", "b_values_ms_per_um2", "directions", "pulse_ms", "separation_ms")},
     "relax.widening_um": ["--rounds", "2"],
     "analyse.composition_cubes": ["--composition"],
+    "analyse.structure_pool": ["--structure", "{work}/real.cgx"],
+    "analyse.structure_dir": ["--structure", "{work}/real.cgx"],
     "relax.swelling": ["--rounds", "2"],
     "grow.smoothing": ["--straightness", "free"],
     "triangulate.grade_levels": ["--nodes", "graded"],
@@ -216,6 +222,10 @@ class Parameters:
         (work / "bvals").write_text("0 1000 3000\n")
         (work / "bvecs").write_text("0 1 0\n0 0 1\n0 0 0\n")
         self.must("import", "signal", work / "signals.csv", "--pulse-duration-ms=5", "--pulse-separation-ms=20", "-q", "-o", work / "signals.cgx")
+        for real, file in (("real", "cell.swc"), ("other", "loose-trees.swc")):
+            self.must("characterise", work / file, "--entry", "L23_pyramidal", "-q", "-o", work / f"{real}.cgx")
+        if until == "mesh":
+            self.must("analyse", work / "mesh.cgx", "--structure", work / "other.cgx", "--points", "0", "--field-step-um", "1", "-q", "-o", work / "analysed.cgx")
         made = work / "made"
         self.inputs = {
             "place": ["-p", recipe], "triangulate": [made / "01-place.cgx"], "grow": [made / "02-triangulate.cgx"], "relax": [made / "03-grow.cgx"],
