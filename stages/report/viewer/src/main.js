@@ -5,6 +5,8 @@ import {explorer} from './charts/generic.js';
 import {shapeFigures} from './charts/shape.js';
 import {protocolText, signalFigures, timeFigures} from './charts/signals.js';
 import {poreFigures, structureFigures} from './charts/space.js';
+import {structureTables} from './charts/structure.js';
+import {timeTables} from './charts/time.js';
 import {summary, tissueFigures} from './charts/tissue.js';
 import {facts, hasGroup, scalar, table, tables, values} from './data.js';
 import {amount, h, show, unitText} from './dom.js';
@@ -18,8 +20,9 @@ const grid = list => h('div', {class: 'grid'}, list.filter(Boolean));
 
 // Tables that a section of their own draws; all others are drawn generically, so that none is left out.
 const drawn = new Set(['summary', 'class', 'type', 'neurite', 'bars', 'morphometry', 'cell', 'comparison', 'comparison_bars', 'composition', 'composition_fit', 'spectrum', 'spectrum_fit', 'pore_space', 'paths', 'transport', 'sandi', 'sandi_shell', 'sandi_covariance', 'sandi_truth', 'gates']);
-const others = prefix => tables().filter(t => !drawn.has(t.name) && (prefix === null ? !/^(structure|diffusivity)/.test(t.name) : t.name.startsWith(prefix)));
-const generic = list => list.map(t => explorer(t, true) ?? h('div', {class: 'frame'}, h('h3', {}, t.name), tableWithTools(t)));
+const structured = /^structure/, timed = /^(diffusivity|lambda)/;
+const others = group => tables().filter(t => !drawn.has(t.name) && (group === null ? !structured.test(t.name) && !timed.test(t.name) : group.test(t.name)));
+const generic = list => list.map(t => explorer(t, true));
 
 function tiles() {
   const side = values('/domain@lo') && values('/domain@hi').map((v, a) => v - values('/domain@lo')[a]);
@@ -36,7 +39,7 @@ function tiles() {
     [fits && fits.records.length ? show(fits.records.length) : null, 'SANDI fits'],
     [gates && `${gates.passed} / ${gates.passed + gates.failed}`, 'integrity gates passed'],
   ];
-  return h('div', {class: 'tiles'}, list.filter(([value]) => value).map(([value, label]) => h('div', {class: 'tile'}, h('b', {}, value), h('span', {}, label))));
+  return h('div', {class: 'tiles'}, list.filter(([value]) => value).map(([value, label]) => h('div', {class: `tile${value.length > 12 ? ' wide' : ''}`}, h('b', {}, value), h('span', {}, label))));
 }
 
 const makers = [['/domain', 'conceg place or import'], ['/cells', 'conceg place or import'], ['/bars', 'conceg place'], ['/skeleton', 'conceg grow'], ['/meshes', 'conceg mesh'], ['/volumes', 'conceg mesh --volume-step-um 0.25'],
@@ -59,15 +62,15 @@ function groundTruth(truth) {
 
 // [id, title, lead, content]: content is made when the page is.
 function sections() {
-  const fit = fitFigures(), structure = [...others('structure')], time = [...others('diffusivity')], rest = others(null);
+  const fit = fitFigures(), structure = others(structured).map(t => t.name), time = others(timed).map(t => t.name), rest = others(null);
   return [
     ['tissue', 'The tissue', null, () => scenePanel()],
     ['composition-of-tissue', 'Composition', 'What is in the box, and how much of it.', () => grid(tissueFigures())],
     ['shape', 'Shapes of cells', null, () => grid(shapeFigures())],
-    ['structure', 'Structure', null, () => grid([...structureFigures(), ...generic(structure)])],
+    ['structure', 'Structure', null, () => grid([...structureFigures(), ...structureTables(structure)])],
     ['space', 'Space between cells', null, () => grid(poreFigures())],
     ['signals', 'Diffusion MRI signal', protocolText() || null, () => grid(signalFigures())],
-    ['time', 'Diffusion over time', null, () => grid([...timeFigures(), ...generic(time)])],
+    ['time', 'Diffusion over time', null, () => grid([...timeFigures(), ...timeTables(time)])],
     ['sandi', 'SANDI and the ground truth', null, () => grid([...fit.figures, ...groundTruth(fit.truth)])],
     ['integrity', 'Integrity', null, () => gateView()],
     ['tables', 'More tables', rest.length ? null : 'Every table of /statistics stands in a section above.', () => grid(generic(rest))],

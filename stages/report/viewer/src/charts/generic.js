@@ -2,8 +2,9 @@
 // Any table: sortable, and a chart of columns that the reader picks. Nothing of /statistics is left out.
 import * as Plot from '@observablehq/plot';
 import {seriesColour} from '../colours.js';
-import {amount, labelled, show, words} from '../dom.js';
+import {amount, h, labelled, show, words} from '../dom.js';
 import {figure, plot} from '../figure.js';
+import {tableWithTools} from '../table.js';
 
 const numeric = t => t.columns.filter(c => c.type !== 'text').map(c => c.name);
 const textual = t => t.columns.filter(c => c.type === 'text').map(c => c.name);
@@ -49,10 +50,10 @@ function curves(t, width, {x, y, series, logx, logy}, hidden, error) {
   });
 }
 
-/** A chart of any two columns of the table, or null where it has no numbers. */
+/** A chart of any two columns of the table; the table alone where it has no numbers. */
 export function explorer(t, half = false) {
   const numbers = numeric(t);
-  if (!numbers.length || !t.records.length) return null;
+  if (!numbers.length || !t.records.length) return h('div', {class: 'frame'}, h('h3', {}, words(t.name || 'statistics')), tableWithTools(t), h('footer', {}, h('span', {class: 'from'}, h('code', {}, t.path))));
   const first = guess(t), labels = textual(t);
   const keys = first.series ? [...new Set(t.records.map(r => String(r[first.series])))] : [];
   const names = Object.fromEntries([...numbers, ...labels].map(c => [c, words(c)]));

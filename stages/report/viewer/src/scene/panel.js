@@ -126,15 +126,15 @@ function start(holder, info, bar, legend, {hasSkeleton, hasSurface}) {
   };
   const again = () => view.show(state);
   const cut = () => view.cut(state.axis, state.share, state.flipped);
-  const slider = h('input', {type: 'range', min: '0', max: '1', step: '0.005', value: '0.5', 'aria-label': 'place of the cut', disabled: true, oninput: event => { state.share = Number(event.target.value); cut(); where(); }});
+  const slider = h('input', {type: 'range', min: '0', max: '1', step: '0.005', value: '0.5', 'aria-label': 'place of the cut', hidden: true, oninput: event => { state.share = Number(event.target.value); cut(); where(); }});
   const place = h('output', {class: 'unit'});
   const where = () => { place.textContent = state.axis < 0 ? '' : `${show(model.centre[state.axis] + model.lo[state.axis] + state.share * (model.hi[state.axis] - model.lo[state.axis]), 4)} µm`; };
-  const side = h('button', {type: 'button', class: 'small', disabled: true, onclick: () => { state.flipped = !state.flipped; cut(); }}, 'Other side');
+  const side = h('button', {type: 'button', class: 'small', hidden: true, onclick: () => { state.flipped = !state.flipped; cut(); }}, 'Other side');
   bar.append(...[
     hasSurface && hasSkeleton && select('Draw', {surface: 'surfaces', skeleton: 'skeletons'}, 'surface', value => { state.surface = value === 'surface'; again(); }),
     periodic && select('Cells', {box: 'within the box', whole: 'whole'}, 'box', value => { state.folded = value === 'box'; again(), view.fit(!state.folded); }),
     select('Colour', Object.fromEntries(Object.keys(ways).map(k => [k, `by ${k}`])), 'type', value => { state.by = value; fillLegend(); }),
-    model.hasBox && select('Cut', {'-1': 'none', 0: 'across x', 1: 'across y', 2: 'across z'}, '-1', value => { state.axis = Number(value); slider.disabled = side.disabled = state.axis < 0; cut(), where(); }),
+    model.hasBox && select('Cut', {'-1': 'none', 0: 'across x', 1: 'across y', 2: 'across z'}, '-1', value => { state.axis = Number(value); slider.hidden = side.hidden = state.axis < 0; cut(), where(); }),
     model.hasBox && slider, model.hasBox && place, model.hasBox && side,
     h('button', {type: 'button', class: 'small', onclick: () => view.fit(!state.folded)}, 'Reset view'),
     h('button', {type: 'button', class: 'small', onclick: () => h('a', {href: view.renderer.domElement.toDataURL('image/png'), download: 'tissue.png'}).click()}, 'Save PNG'),
