@@ -22,8 +22,11 @@ expect 0 "" conceg place -p "$source/tests/pipe/small.yaml" -q -o placed.cgx
 expect 0 "wrote one.html" conceg report swc.cgx -o one.html
 expect 0 "" conceg report swc.cgx -q --page two.html
 expect_same one.html two.html
-expect 0 "" conceg report swc.cgx -q --page three.html -o passed.cgx
+expect 0 "" conceg report swc.cgx -q --page three.html -o three.cgx
 expect_same one.html three.html
+expect 0 "" conceg report swc.cgx -q -o passed.cgx
+expect_same one.html report.html
+rm report.html
 expect 0 "" conceg diff swc.cgx passed.cgx
 expect 0 "" sh -c "conceg report -q --page piped.html < swc.cgx"
 expect_same one.html piped.html
@@ -43,10 +46,13 @@ expect 1 "" sh -c "grep -oE '<(link|img|iframe|script)[^>]*(src|href)=[^>]*>' on
 
 # Documents that lack parts, or everything.
 expect 0 "" conceg report placed.cgx -q -o placed.html
-expect 0 "" sh -c "conceg strip cells,types,domain,recipe,provenance,statistics,skeleton,spheres,bars < swc.cgx | conceg report -q --page little.html"
+expect 0 "" sh -c "conceg strip cells,types,domain,skeleton swc.cgx | conceg report -q --page little.html"
 expect 0 "" grep -q '"cells":0' little.html
 # A small page says what it leaves out.
-expect 0 "Of 5 skeleton points|All skeletons: 5 points" conceg report swc.cgx -v --size-mb 0.01 --page small.html
+awk 'BEGIN { print "1 1 0 0 0 5 -1"; for (i = 2; i < 2000; i++) print i, 3, 5 + i / 50, 0, 0, 0.5, i - 1 }' > long.swc
+expect 0 "" conceg import swc long.swc -q -o long.cgx
+expect 0 "Of 1998 skeleton points [0-9]* are drawn: one per [0-9.]* um" conceg report long.cgx -v --size-mb 0.01 --page small.html
+expect 0 "" grep -q "Of 1998 skeleton points" small.html
 expect 0 "" conceg report swc.cgx -q --rows 1 --page rows.html
 
 expect 4 "nowhere.cgx" conceg report nowhere.cgx -o none.html

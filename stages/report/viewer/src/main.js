@@ -14,15 +14,24 @@ import {figures, missing, redrawAll} from './figure.js';
 import {gateCounts, gateView} from './gates.js';
 import {provenanceView, runs} from './provenance.js';
 import {scenePanel} from './scene/panel.js';
-import {sortable, tableWithTools} from './table.js';
+import {shown, sortable, tableWithTools} from './table.js';
 
-const grid = list => h('div', {class: 'grid'}, list.filter(Boolean));
+// Cards in two columns; one that would stand alone in its row takes both.
+function grid(list) {
+  const cards = list.filter(Boolean);
+  let left = null;
+  for (const card of cards) {
+    const half = card.classList.contains('half') || !card.matches('figure');
+    if (half) left = left ? null : card;
+    else if (left) left.classList.add('alone'), left = null;
+  }
+  left?.classList.add('alone');
+  return h('div', {class: 'grid'}, cards);
+}
 
-// Tables that a section of their own draws; all others are drawn generically, so that none is left out.
-const drawn = new Set(['summary', 'class', 'type', 'neurite', 'bars', 'morphometry', 'cell', 'comparison', 'comparison_bars', 'composition', 'composition_fit', 'spectrum', 'spectrum_fit', 'pore_space', 'paths', 'transport', 'sandi', 'sandi_shell', 'sandi_covariance', 'sandi_truth', 'gates']);
+// Tables that no section has shown are drawn generically, so that none is left out.
 const structured = /^structure/, timed = /^(diffusivity|lambda)/;
-const others = group => tables().filter(t => !drawn.has(t.name) && (group === null ? !structured.test(t.name) && !timed.test(t.name) : group.test(t.name)));
-const generic = list => list.map(t => explorer(t, true));
+const others = group => tables().filter(t => !shown.has(t.name) && group.test(t.name)).map(t => t.name);
 
 function tiles() {
   const side = values('/domain@lo') && values('/domain@hi').map((v, a) => v - values('/domain@lo')[a]);
@@ -56,24 +65,29 @@ function contents() {
 
 function groundTruth(truth) {
   const t = table('summary');
-  return [truth && h('div', {class: 'frame'}, h('h3', {}, truth.title), h('p', {}, truth.text), tableWithTools(truth.table), h('footer', {}, h('span', {class: 'from'}, h('code', {}, '/statistics/sandi_truth')))),
-    t && h('div', {class: 'frame'}, h('h3', {}, 'Summary of the tissue'), tableWithTools(t), h('footer', {}, h('span', {class: 'from'}, h('code', {}, '/statistics/summary'))))];
+  return [truth && h('div', {class: 'frame'}, h('h3', {}, truth.title), h('p', {}, truth.text), tableWithTools(truth.table)),
+    t && h('div', {class: 'frame'}, h('h3', {}, 'Summary of the tissue'), tableWithTools(t))];
+}
+
+function moreTables() {
+  const rest = tables().filter(t => !shown.has(t.name));
+  return rest.length ? grid(rest.map(t => explorer(t, true))) : h('p', {class: 'lead'}, 'Every table of /statistics stands in a section above.');
 }
 
 // [id, title, lead, content]: content is made when the page is.
 function sections() {
-  const fit = fitFigures(), structure = others(structured).map(t => t.name), time = others(timed).map(t => t.name), rest = others(null);
+  const fit = fitFigures();
   return [
     ['tissue', 'The tissue', null, () => scenePanel()],
     ['composition-of-tissue', 'Composition', 'What is in the box, and how much of it.', () => grid(tissueFigures())],
     ['shape', 'Shapes of cells', null, () => grid(shapeFigures())],
-    ['structure', 'Structure', null, () => grid([...structureFigures(), ...structureTables(structure)])],
+    ['structure', 'Structure', null, () => grid([...structureFigures(), ...structureTables(others(structured))])],
     ['space', 'Space between cells', null, () => grid(poreFigures())],
     ['signals', 'Diffusion MRI signal', protocolText() || null, () => grid(signalFigures())],
-    ['time', 'Diffusion over time', null, () => grid([...timeFigures(), ...timeTables(time)])],
+    ['time', 'Diffusion over time', null, () => grid([...timeFigures(), ...timeTables(others(timed))])],
     ['sandi', 'SANDI and the ground truth', null, () => grid([...fit.figures, ...groundTruth(fit.truth)])],
     ['integrity', 'Integrity', null, () => gateView()],
-    ['tables', 'More tables', rest.length ? null : 'Every table of /statistics stands in a section above.', () => grid(generic(rest))],
+    ['tables', 'More tables', null, moreTables],
     ['contents', 'What the document holds', null, contents],
     ['provenance', 'Make it again', 'The document carries its recipe. Save both files into one folder; the same version of ConCeG gives the same bytes.', provenanceView],
   ];
@@ -134,4 +148,6 @@ addEventListener('beforeprint', () => document.querySelectorAll('details').forEa
 addEventListener('afterprint', () => document.querySelectorAll('details').forEach(d => { d.open = d.dataset.was === 'true'; }));
 requestAnimationFrame(() => requestAnimationFrame(() => {
   document.documentElement.dataset.figures = figures.drawn, document.documentElement.dataset.failed = figures.failed;
+  // The section that the address names, now that it is there.
+  if (location.hash) document.getElementById(location.hash.slice(1))?.scrollIntoView({behavior: 'instant'});
 }));

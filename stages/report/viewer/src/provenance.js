@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How to make the document again: the recipe it carries, and the commands of its stages.
-import {values} from './data.js';
-import {facts} from './data.js';
+import {facts, values} from './data.js';
 import {copyButton, h, offer} from './dom.js';
 import {missing} from './figure.js';
 import {sortable} from './table.js';
 
-const sources = ['place', 'characterise', 'import'];
 const quoted = text => (/^[\w./=,:+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
 
 /** The stages that were run, as rows of /provenance. */
@@ -16,23 +14,37 @@ export function runs() {
   return stage.map((word, i) => ({stage: word, implementation: at('implementation', i), version: at('implementation_version', i), library: at('library_version', i), seed: at('seed', i), parameters: String(at('parameters', i)), input: at('input', i)}));
 }
 
-// "name: value" lines of a run's parameters as [name, value].
-const parameters = text => text.split('\n').map(line => line.match(/^([\w.]+): ?(.*)$/)).filter(Boolean).map(m => [m[1], m[2]]);
-
 /** Commands that make the document again from recipe.yaml; `null` when nothing is known of its making. */
 export function commands() {
   const list = runs();
   if (!list.length) return null;
-  const last = list.length - 1;
-  const options = r => parameters(r.parameters).filter(([name]) => name !== 'impl').map(([name, value]) => ` --set ${quoted(`${r.stage}.${name}=${value}`)}`).join('');
-  // A stage that ran twice had other parameters each time, which the recipe cannot hold both.
+  // A stage that ran twice had other parameters each time, of which the recipe holds the last; a run may have had its own seed.
   const twice = r => list.filter(x => x.stage === r.stage).length > 1;
-  const lines = list.map((r, i) => {
-    const head = i === 0 ? (r.stage === 'place' ? 'conceg place -p recipe.yaml' : `conceg ${r.stage} FILES...`) : `conceg ${r.stage}`;
-    return head + (i > 0 && twice(r) ? options(r) : '') + (i > 0 && !sources.includes(list[0].stage) ? '' : '');
+  const options = r => (twice(r) && r.parameters ? ` --set ${quoted(`${r.stage}=${r.parameters}`)}` : '') + (String(r.seed) !== String(list[0].seed) ? ` --seed ${r.seed}` : '');
+  const head = (r, i) => (i > 0 ? `conceg ${r.stage}` : r.stage === 'place' ? 'conceg place -p recipe.yaml' : `conceg ${r.stage} FILES...`);
+  // A sink passes the document on only with -o.
+  const passed = r => (['export', 'render', 'report'].includes(r.stage) ? ' -o -' : '');
+  const lines = [];
+  let pipe = [], from = '';
+  const flush = file => {
+    if (pipe.length) lines.push(`${pipe.join(' |\n  ')} > ${file}`);
+    pipe = [], from = ` ${file}`;
+  };
+  list.forEach((r, i) => {
+    const last = i === list.length - 1, own = i > 0 ? options(r) : '';
+    // conceg check prints its verdicts where others put the document.
+    if (r.stage === 'check') {
+      if (pipe.length) flush(`before-${i}.cgx`);
+      const file = last ? 'again.cgx' : `after-${i}.cgx`;
+      lines.push(`conceg check${from}${own} -q -o ${file} > /dev/null`);
+      from = ` ${file}`;
+    } else {
+      pipe.push(head(r, i) + (pipe.length || i === 0 ? '' : from) + own + passed(r));
+      if (last) flush('again.cgx');
+    }
   });
   const note = list[0].stage === 'place' ? '' : `# ${list[0].stage} read files that are not in the document: name them.\n`;
-  return `${note}set -o pipefail\n${lines.join(' |\n  ')} > again.cgx${last >= 0 ? '\nconceg diff again.cgx ORIGINAL.cgx --exact' : ''}\n`;
+  return `#!/bin/bash\n${note}set -o pipefail\n${lines.join('\n')}\nconceg diff again.cgx ORIGINAL.cgx --exact   # ORIGINAL.cgx: the document of this page\n`;
 }
 
 function code(title, text, file) {

@@ -25,7 +25,7 @@ function compare(a, b, text) {
 }
 
 function cell(column, value) {
-  if (isText(column)) return h('td', {}, value ?? '–');
+  if (isText(column)) return h('td', {}, /(^|_)unit$/.test(column.name) ? unitText(value) || '–' : value ?? '–');
   return h('td', {class: 'number', title: value === null ? null : String(value)}, show(value, 5));
 }
 
@@ -63,8 +63,12 @@ export function leftOut(table) {
   return lines.length ? h('p', {class: 'note'}, lines.join(' ')) : null;
 }
 
+/** Names of the tables that stand on the page. */
+export const shown = new Set();
+
 /** The table with its path and a button for a CSV file. */
 export function tableWithTools(table) {
+  shown.add(table.name);
   return h('div', {}, leftOut(table), table.records.length ? sortable(table) : h('p', {class: 'note'}, 'The table has no rows.'),
-    h('p', {class: 'tools'}, h('button', {type: 'button', class: 'small', onclick: () => offer(`${table.name.replaceAll('/', '-') || 'table'}.csv`, 'text/csv', csv(table))}, 'Save CSV')));
+    h('p', {class: 'tools'}, h('code', {}, table.path), h('button', {type: 'button', class: 'small', onclick: () => offer(`${table.name.replaceAll('/', '-') || 'table'}.csv`, 'text/csv', csv(table))}, 'Save CSV')));
 }

@@ -4,12 +4,15 @@ import * as Plot from '@observablehq/plot';
 import {seriesColour} from '../colours.js';
 import {table} from '../data.js';
 import {amount, labelled, show, words} from '../dom.js';
-import {figure, missing, plot} from '../figure.js';
+import {figure, logAxis, missing, plot} from '../figure.js';
 
-const nameOf = (r, i, all) => {
-  const name = `${r.signal}: ${r.model}, ${r.kernel} sphere${/neurite_diffusivity/.test(r.fitted) ? ', D free' : ', D held'}`;
-  return all.filter(x => x.signal === r.signal && x.model === r.model && x.kernel === r.kernel && x.fitted === r.fitted).length > 1 ? `${name} (${i})` : name;
-};
+// "intra, gpd sphere, D free", and what else tells one fit from another.
+function namesOf(fits) {
+  const short = r => `${r.signal}, ${r.kernel} sphere, D ${/neurite_diffusivity/.test(r.fitted) ? 'free' : 'held'}`;
+  const long = r => `${short(r)}, ${r.model}, ${r.extracellular}`;
+  const unique = (name, r) => fits.filter(x => name(x) === name(r)).length === 1;
+  return fits.map((r, i) => (unique(short, r) ? short(r) : unique(long, r) ? long(r) : `${long(r)} (${i})`));
+}
 
 function curves(fits, shells, names) {
   const rows = shells.records.map(r => ({...r, name: names[r.fit], of: fits.records[r.fit]?.signal})).filter(r => r.name !== undefined);
@@ -22,7 +25,7 @@ function curves(fits, shells, names) {
       const own = rows.filter(r => r.of === of).map(r => ({...r, x: at(r)})).filter(r => Number.isFinite(r.x) && (!log || (r.signal > 0 && r.fitted > 0)));
       const first = own.filter(r => r.fit === own[0]?.fit), drawn = own.filter(r => !hidden.has(r.name));
       return plot(width, {
-        x: {label: x === 'b' ? 'b (ms/µm²)' : '1 / √b ((µm²/ms)^½)', grid: true, zero: true}, y: {type: log ? 'log' : 'linear', label: 'signal / signal at b = 0', grid: true, ...(log ? {ticks: 5, tickFormat: d => show(d)} : {zero: true})},
+        x: {label: x === 'b' ? 'b (ms/µm²)' : '1 / √b ((µm²/ms)^½)', grid: true, zero: true}, y: log ? logAxis('signal / signal at b = 0', own.flatMap(r => [r.signal, r.fitted])) : {label: 'signal / signal at b = 0', grid: true, zero: true},
         marks: [
           Plot.line(drawn, {x: 'x', y: 'fitted', z: 'name', sort: 'x', stroke: r => seriesColour(r.fit), ariaLabel: r => r.name}),
           Plot.ruleX(first, {x: 'x', y1: r => (log ? Math.max(r.signal - r.error, r.signal * 0.05) : r.signal - r.error), y2: r => r.signal + r.error, stroke: 'currentColor'}),
@@ -53,10 +56,10 @@ function parameters(fits, names) {
   const truths = r => [[r[`${r.quantity}_truth`], 'the geometry', '#2a9d78']];
   return figure({
     id: 'sandi-truth', title: 'Fits beside the ground truth of the geometry', text: 'Dots: fits with one standard error. Green lines: what the geometry has (shares of the cells’ volume for reduced fits, of the box for full ones; radii: mean, and as long pulses weight them).',
-    from: fits.where(...ordered), table: fits, series: names.map((key, i) => ({key, colour: seriesColour(i)})), controls: [{key: 'quantity', label: 'Quantity', choices: ordered, names: Object.fromEntries(ordered.map(q => [q, quantityNames[q] ?? words(q)]))}],
-    draw: (width, {hidden, quantity}) => {
+    from: fits.where(...ordered), table: [fits, table('sandi_covariance')], controls: [{key: 'quantity', label: 'Quantity', choices: ordered, names: Object.fromEntries(ordered.map(q => [q, quantityNames[q] ?? words(q)]))}],
+    draw: (width, {quantity}) => {
       const rows = fits.records.map((r, i) => ({name: names[i], value: r[quantity], error: r[`${quantity}_error`], quantity, colour: seriesColour(i), bound: String(r.at_bound ?? '').split(' ').includes(quantity),
-        truths: /radius/.test(quantity) ? [[r.radius_truth, 'mean'], [r.radius_truth_effective, 'effective']] : truths({...r, quantity})})).filter(r => !hidden.has(r.name) && r.value !== null);
+        truths: /radius/.test(quantity) ? [[r.radius_truth, 'mean'], [r.radius_truth_effective, 'effective']] : truths({...r, quantity})})).filter(r => r.value !== null);
       const marks = rows.flatMap(r => r.truths.filter(t => Number.isFinite(t[0])).map(t => ({name: r.name, value: t[0], label: t[1]})));
       return plot(width, {
         height: 70 + 40 * rows.length, marginLeft: Math.min(250, width * 0.38), x: {label: labelled(quantityNames[quantity] ?? words(quantity), fits.unit(quantity)), grid: true, nice: true, ticks: Math.floor(width / 100)}, y: {label: null, domain: rows.map(r => r.name)},
@@ -64,7 +67,7 @@ function parameters(fits, names) {
           Plot.tickX(marks, {y: 'name', x: 'value', stroke: '#2a9d78', strokeWidth: 3, ariaLabel: r => `truth ${r.name} ${r.value}`, title: r => `geometry (${r.label}): ${show(r.value, 4)}`, tip: true}),
           Plot.ruleY(rows, {y: 'name', x1: r => r.value - r.error, x2: r => r.value + r.error, stroke: 'colour', strokeWidth: 3, strokeOpacity: 0.5}),
           Plot.dot(rows, {y: 'name', x: 'value', r: 6, fill: 'colour', ariaLabel: r => `${r.name} ${quantity} ${r.value}`, title: r => `${r.name}\n${show(r.value, 4)} ± ${show(r.error, 2)}${r.bound ? '\nat a bound' : ''}`, tip: true}),
-        ].map(m => m), color: {type: 'identity'},
+        ], color: {type: 'identity'},
       });
     },
   });
@@ -80,6 +83,6 @@ function truth() {
 export function fitFigures() {
   const fits = table('sandi'), shells = table('sandi_shell');
   if (!fits || !fits.records.length) return {figures: [missing('SANDI', 'No /statistics/sandi: conceg fit fits it to /signals and holds it against the geometry.', 'conceg simulate cube.cgx | conceg fit -o fitted.cgx')], truth: truth()};
-  const names = fits.records.map(nameOf);
+  const names = namesOf(fits.records);
   return {figures: [parameters(fits, names), ...(shells ? [curves(fits, shells, names), residuals(shells, names)] : [])], truth: truth()};
 }

@@ -3,7 +3,7 @@
 import * as Plot from '@observablehq/plot';
 import {seriesColour} from '../colours.js';
 import {amount, h, labelled, show, words} from '../dom.js';
-import {figure, plot} from '../figure.js';
+import {figure, logAxis, plot} from '../figure.js';
 import {tableWithTools} from '../table.js';
 
 const numeric = t => t.columns.filter(c => c.type !== 'text').map(c => c.name);
@@ -41,7 +41,7 @@ function curves(t, width, {x, y, series, logx, logy}, hidden, error) {
   const rows = t.records.filter(r => r[x] !== null && r[y] !== null && !hidden.has(String(r[series])) && (!logx || r[x] > 0) && (!logy || r[y] > 0));
   const colour = r => seriesColour(series ? keys.indexOf(String(r[series])) : 0), z = series ? r => String(r[series]) : null;
   return plot(width, {
-    x: {label: labelled(words(x), t.unit(x)), grid: true, type: logx ? 'log' : 'linear', ...(logx ? {ticks: 5, tickFormat: d => show(d)} : {nice: true})}, y: {label: labelled(words(y), t.unit(y)), grid: true, type: logy ? 'log' : 'linear', ...(logy ? {ticks: 5, tickFormat: d => show(d)} : {nice: true})},
+    x: logx ? logAxis(labelled(words(x), t.unit(x)), rows.map(r => r[x])) : {label: labelled(words(x), t.unit(x)), grid: true, nice: true}, y: logy ? logAxis(labelled(words(y), t.unit(y)), rows.map(r => r[y])) : {label: labelled(words(y), t.unit(y)), grid: true, nice: true},
     marks: [
       rows.length < 2000 && spread(t, x) > 2 ? Plot.line(rows, {x, y, z, sort: x, stroke: colour, strokeOpacity: 0.6}) : null,
       error ? Plot.ruleX(rows, {x, y1: r => (logy ? Math.max(r[y] - r[error], r[y] * 0.05) : r[y] - r[error]), y2: r => r[y] + r[error], stroke: colour}) : null,
@@ -53,7 +53,7 @@ function curves(t, width, {x, y, series, logx, logy}, hidden, error) {
 /** A chart of any two columns of the table; the table alone where it has no numbers. */
 export function explorer(t, half = false) {
   const numbers = numeric(t);
-  if (!numbers.length || !t.records.length) return h('div', {class: 'frame'}, h('h3', {}, words(t.name || 'statistics')), tableWithTools(t), h('footer', {}, h('span', {class: 'from'}, h('code', {}, t.path))));
+  if (!numbers.length || !t.records.length) return h('div', {class: 'frame'}, h('h3', {}, words(t.name || 'statistics')), tableWithTools(t));
   const first = guess(t), labels = textual(t);
   const keys = first.series ? [...new Set(t.records.map(r => String(r[first.series])))] : [];
   const names = Object.fromEntries([...numbers, ...labels].map(c => [c, words(c)]));

@@ -22,11 +22,11 @@ function morphometry() {
     draw: (width, {hidden, measure}) => {
       const rows = t.records.filter(r => r.measure === measure && !hidden.has(r.class) && r.count).map(r => ({...r, mean: shown(r.mean, r.unit), sd: shown(r.sd, r.unit), unit: r.unit}));
       return plot(width, {
-        height: 70 + 40 * classes.length, marginLeft: 92, x: {label: `${words(measure)} ${shownUnit(rows[0]?.unit) ? `(${shownUnit(rows[0]?.unit)})` : ''}`, grid: true, zero: true, nice: true}, y: {label: null, domain: classes},
+        height: 70 + 40 * classes.length, marginLeft: 92, marginRight: 130, x: {label: `${words(measure)} ${shownUnit(rows[0]?.unit) ? `(${shownUnit(rows[0]?.unit)})` : ''}`, grid: true, zero: true, nice: true}, y: {label: null, domain: classes},
         marks: [
           Plot.ruleY(rows, {y: 'class', x1: r => Math.max(0, r.mean - r.sd), x2: r => r.mean + r.sd, stroke: r => classColour(r.class), strokeWidth: 3, strokeOpacity: 0.5}),
           Plot.dot(rows, {y: 'class', x: 'mean', r: 6, fill: r => classColour(r.class), ariaLabel: r => `${r.class} ${measure} ${r.mean}`}),
-          Plot.text(rows, {y: 'class', x: 'mean', text: r => `${show(r.mean, 3)} ± ${show(r.sd, 2)}  (n ${show(r.count)})`, dy: -14}),
+          Plot.text(rows, {y: 'class', x: r => r.mean + r.sd, text: r => `${show(r.mean, 3)} ± ${show(r.sd, 2)}  (n ${show(r.count)})`, dx: 10, textAnchor: 'start'}),
         ],
       });
     },
@@ -110,4 +110,4 @@ function scatter() {
   });
 }
 
-export const shapeFigures = () => [morphometry(), scatter(), comparison(), effects()];
+export const shapeFigures = () => [morphometry(), effects(), comparison(), scatter()];

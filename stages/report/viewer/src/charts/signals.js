@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Diffusion MRI: direction-averaged signals, single measurements, displacements over time.
 import * as Plot from '@observablehq/plot';
-import {seriesColour} from '../colours.js';
+import {seriesColour, typeColour} from '../colours.js';
 import {array, rowOf, scalar, values} from '../data.js';
 import {amount, show} from '../dom.js';
-import {figure, missing, plot} from '../figure.js';
+import {figure, logAxis, missing, plot} from '../figure.js';
 
 const simulate = 'conceg simulate cube.cgx --walkers 100000 -o simulated.cgx';
 const compartments = () => values('/signals/compartment') ?? [];
-const colours = () => Object.fromEntries(compartments().map((name, i) => [name, seriesColour(i)]));
-const series = () => compartments().map((key, i) => ({key, colour: seriesColour(i)}));
+// A compartment "type NAME" has the colour of that type, and begins hidden where there are others.
+const colourOf = (name, i) => (name.startsWith('type ') ? typeColour(name.slice(5)) : seriesColour(i));
+const colours = () => Object.fromEntries(compartments().map((name, i) => [name, colourOf(name, i)]));
+const series = () => compartments().map((key, i) => ({key, colour: colourOf(key, i), off: key.startsWith('type ') && !compartments()[0].startsWith('type ')}));
 
 // b = 0 and values that lie together are one shell when the document has no averages of its own.
 function shells() {
@@ -42,9 +44,9 @@ function decay({id, title, text, x, xLabel, y, found}) {
     id, half: true, title, text, from: found.from, series: series(), controls: [{key: 'log', label: 'log scale', value: y === 'log'}, {key: 'errors', label: 'error bars', value: true}],
     draw: (width, {hidden, log, errors}) => {
       const shown = rows.filter(r => !hidden.has(r.name) && (!log || r.signal > 0)), colour = colours();
-      const low = r => (log ? Math.max(r.signal - r.error, r.signal * 0.05) : r.signal - r.error);
+      const low = r => (log ? Math.max(r.signal - r.error, r.signal * 0.3) : r.signal - r.error);
       return plot(width, {
-        x: {label: xLabel, grid: true, nice: true, zero: true}, y: {type: log ? 'log' : 'linear', label: 'signal / signal at b = 0', grid: true, nice: !log, ...(log ? {ticks: 5, tickFormat: d => show(d)} : {zero: true})},
+        x: {label: xLabel, grid: true, nice: true, zero: true}, y: log ? logAxis('signal / signal at b = 0', shown.flatMap(r => [r.signal, low(r), r.signal + r.error])) : {label: 'signal / signal at b = 0', grid: true, nice: true, zero: true},
         marks: [
           Plot.line(shown, {x: 'x', y: 'signal', z: 'name', stroke: r => colour[r.name], strokeOpacity: found.averaged ? 0.7 : 0}),
           errors ? Plot.ruleX(shown, {x: 'x', y1: low, y2: r => r.signal + r.error, stroke: r => colour[r.name], strokeWidth: 1.5}) : null,
@@ -60,7 +62,7 @@ function directions() {
   if (!signal || !b || !direction || b.length < 7) return null;
   const names = compartments();
   return figure({
-    id: 'directions', half: true, title: 'By direction', text: 'Single measurements against the angle of the gradient to the z axis (towards the pia): a spread within a shell is anisotropy.', from: ['/signals/signal', '/protocol/direction', '/protocol/b'],
+    id: 'directions', half: true, title: 'By direction', text: 'Single measurements against the angle of the gradient to the z axis (towards the pia): a spread within a shell is anisotropy. ' + `Dark to light: b from ${show(Math.min(...b.filter(v => v > 0)))} to ${show(Math.max(...b))} ms/µm².`, from: ['/signals/signal', '/protocol/direction', '/protocol/b'],
     controls: [{key: 'name', label: 'Compartment', choices: names, value: names.includes('all') ? 'all' : names[0]}],
     draw: (width, {name}) => {
       const own = rowOf(signal, names.indexOf(name));
@@ -94,7 +96,7 @@ function overTime({id, title, text, name, label, axes}) {
         : rows.filter(r => !axes || wanted(r) === axis);
       const shown = chosen.filter(r => !hidden.has(r.name)).map(r => ({...r, x: root ? 1 / Math.sqrt(r.time) : r.time})).filter(r => !log || (r.x > 0 && r.value > 0));
       return plot(width, {
-        x: {label: root ? '1 / √t (ms^-½)' : 'time t (ms)', grid: true, type: log ? 'log' : 'linear', ...(log ? {tickFormat: d => show(d), ticks: 5} : {zero: true, nice: true})}, y: {label, grid: true, type: log ? 'log' : 'linear', ...(log ? {tickFormat: d => show(d), ticks: 5} : {nice: true})},
+        x: log ? logAxis(root ? '1 / √t (ms^-½)' : 'time t (ms)', shown.map(r => r.x)) : {label: root ? '1 / √t (ms^-½)' : 'time t (ms)', grid: true, zero: true, nice: true}, y: log ? logAxis(label, shown.map(r => r.value)) : {label, grid: true, nice: true},
         marks: [
           count > 1 ? Plot.line(shown, {x: 'x', y: 'value', z: 'name', stroke: r => colour[r.name]}) : null,
           Plot.ruleX(shown, {x: 'x', y1: r => (log ? Math.max(r.value - r.error, r.value * 0.05) : r.value - r.error), y2: r => r.value + r.error, stroke: r => colour[r.name], strokeWidth: 1.5}),
@@ -108,7 +110,7 @@ function overTime({id, title, text, name, label, axes}) {
 export function signalFigures() {
   const found = compartments().length ? shells() : null;
   if (!found || !found.rows.length) return [missing('Signals', 'No /signals: conceg simulate makes them (it needs /meshes), conceg import signal reads those of a scanner.', simulate)];
-  const averaged = found.averaged ? 'Averaged over directions; bars are one standard error over walkers.' : 'Each measurement as it is; the document has no averages over directions.';
+  const averaged = found.averaged ? 'Averaged over directions; bars are one standard error over walkers. A log scale leaves out what is not above 0.' : 'Each measurement as it is; the document has no averages over directions.';
   return [
     decay({id: 'decay', title: 'Signal against b', text: averaged, x: b => b, xLabel: 'b (ms/µm²)', y: 'log', found}),
     decay({id: 'root', title: 'Signal against 1/√b', text: 'Thin processes are a straight line through the origin here.', x: b => (b > 0 ? 1 / Math.sqrt(b) : NaN), xLabel: '1 / √b ((µm²/ms)^½)', y: 'linear', found}),

@@ -3,8 +3,8 @@
 import * as Plot from '@observablehq/plot';
 import {classColour} from '../colours.js';
 import {table} from '../data.js';
-import {amount, show, words} from '../dom.js';
-import {figure, missing, plot} from '../figure.js';
+import {amount, h, show, words} from '../dom.js';
+import {figure, logAxis, missing, plot} from '../figure.js';
 
 const analyse = option => `conceg analyse cube.cgx --${option}=true -o analysed.cgx`;
 
@@ -14,7 +14,7 @@ function composition() {
   const kinds = [{key: 'fragment', label: 'largest fragment', colour: '#2f7fc1'}, {key: 'cell', label: 'largest cell', colour: '#e07b39'}];
   const fitOf = range => fits?.records.find(r => r.range === range);
   const said = range => { const f = fitOf(range); return f ? `${show(f.fragment_exponent, 3)} ± ${show(f.fragment_error, 2)} (fragments), ${show(f.cell_exponent, 3)} ± ${show(f.cell_error, 2)} (cells)` : null; };
-  const texts = [said('all') && `d_f over all lengths ${said('all')}`, said('beyond_somas') && `from ${amount(fitOf('beyond_somas').from, 'um')} on ${said('beyond_somas')}`].filter(Boolean);
+  const texts = [said('all') && `d over all lengths ${said('all')}`, said('beyond_somas') && `from ${amount(fitOf('beyond_somas').from, 'um')} on ${said('beyond_somas')}`].filter(Boolean);
   const lines = (kind, range) => {
     const f = fitOf(range);
     if (!f) return [];
@@ -24,11 +24,11 @@ function composition() {
     return rows.map(r => ({side: r.side, volume: Math.exp(at + slope * Math.log(r.side))}));
   };
   return figure({
-    id: 'composition', half: true, title: 'Composition scaling', text: `Mean volume of the largest piece of one cell in cubes of side L grows as L^d_f. ${texts.join('; ')}.`,
-    from: [...t.where('side', 'fragment_volume', 'cell_volume'), ...(fits ? fits.where('fragment_exponent', 'cell_exponent') : [])], table: t, series: kinds,
+    id: 'composition', half: true, title: 'Composition scaling', text: ['Mean volume of the largest piece of one cell in cubes of side L grows as L', h('sup', {}, 'd'), '. ', texts.join('; '), '.'],
+    from: [...t.where('side', 'fragment_volume', 'cell_volume'), ...(fits ? fits.where('fragment_exponent', 'cell_exponent') : [])], table: [t, fits], series: kinds,
     controls: [{key: 'range', label: 'Line', choices: ['beyond_somas', 'all'].filter(fitOf), names: {all: 'all lengths', beyond_somas: 'beyond somas'}}].filter(c => c.choices.length),
     draw: (width, {hidden, range}) => plot(width, {
-      x: {type: 'log', label: 'side of the cube, L (µm)', grid: true, ticks: [1, 2, 5, 10, 20, 50, 100], tickFormat: d => show(d)}, y: {type: 'log', label: 'volume (µm³)', grid: true, ticks: 5, tickFormat: d => show(d)},
+      x: logAxis('side of the cube, L (µm)', t.records.map(r => r.side)), y: logAxis('volume (µm³)', t.records.flatMap(r => kinds.map(k => r[`${k.key}_volume`]))),
       marks: kinds.filter(k => !hidden.has(k.key)).flatMap(k => [
         Plot.line(range ? lines(k.key, range) : [], {x: 'side', y: 'volume', stroke: k.colour, strokeDasharray: '5 4'}),
         Plot.dot(t.records.filter(r => r[`${k.key}_volume`] > 0), {x: 'side', y: `${k.key}_volume`, r: 4.5, fill: k.colour, ariaLabel: r => `${k.key} ${r.side} ${r[`${k.key}_volume`]}`, title: r => `${k.label}, L ${amount(r.side, 'um', 3)}\n${amount(r[`${k.key}_volume`], 'um^3')} ± sd ${show(r[`${k.key}_sd`], 3)}\nlocal slope ${show(r[`${k.key}_slope`], 3)}`, tip: true}),
@@ -44,12 +44,12 @@ function spectrum() {
   const texts = (fits?.records ?? []).map(f => `${f.class}: exponent ${show(f.exponent, 3)}, plateau ${amount(f.plateau, 'um', 3)}, ${show(f.paths)} paths of ${show(f.cells)} cells`);
   return figure({
     id: 'spectrum', half: true, title: 'Power spectrum of the cross-section', text: `With bands of 95 % over cells. Shaded: where plateau and exponent are taken. ${texts.join('; ')}.`,
-    from: [...t.where('q', 'power', 'power_low', 'power_high'), ...(fits ? fits.where('exponent', 'plateau') : [])], table: t, series: classes.map(key => ({key, colour: classColour(key)})),
+    from: [...t.where('q', 'power', 'power_low', 'power_high'), ...(fits ? fits.where('exponent', 'plateau') : [])], table: [t, fits], series: classes.map(key => ({key, colour: classColour(key)})),
     controls: [{key: 'which', label: 'Taper', choices: ['power', 'raw'], names: {power: 'taken away', raw: 'kept'}}],
     draw: (width, {hidden, which}) => {
       const rows = t.records.filter(r => !hidden.has(r.class) && r[which] > 0);
       return plot(width, {
-        x: {type: 'log', label: 'wave number q (rad/µm)', grid: true, ticks: [0.01, 0.1, 1, 10, 100], tickFormat: d => show(d)}, y: {type: 'log', label: 'power (µm)', grid: true, ticks: 5, tickFormat: d => show(d)},
+        x: logAxis('wave number q (rad/µm)', rows.map(r => r.q)), y: logAxis('power (µm)', rows.flatMap(r => [r[which], r[`${which}_high`]])),
         marks: [
           Plot.rectX([{}], {x1: 0.06, x2: 0.6, fill: 'currentColor', fillOpacity: 0.06}),
           Plot.areaY(rows.filter(r => r[`${which}_low`] > 0), {x: 'q', y1: `${which}_low`, y2: `${which}_high`, z: 'class', fill: r => classColour(r.class), fillOpacity: 0.16}),
@@ -106,7 +106,7 @@ function transport() {
   return figure({
     id: 'transport', half: true, title: 'Transport between the cells', text: `λ = √(D₀ / D*) = ${show(limit.lambda, 4)}${limit.voxel === 0 ? ', at voxels of size 0 by extrapolation' : ''}; extracellular share ${show(limit.ecs_fraction, 3)}.`, from: t.where('voxel', 'ratio_x', 'ratio_y', 'ratio_z', 'lambda'), table: t, series: axes,
     draw: (width, {hidden}) => plot(width, {
-      x: {label: 'voxel (µm)', grid: true, zero: true, nice: true}, y: {label: 'D* / D₀', grid: true, nice: true},
+      x: {label: 'voxel (µm)', grid: true, zero: true, nice: true}, y: {label: 'D* / D₀', grid: true, nice: true, ticks: 6},
       marks: axes.filter(a => !hidden.has(a.key)).flatMap(a => [
         Plot.line(t.records, {x: 'voxel', y: `ratio_${a.key}`, stroke: a.colour, sort: 'voxel', strokeDasharray: '5 4'}),
         Plot.dot(t.records, {x: 'voxel', y: `ratio_${a.key}`, r: 5, fill: r => (r.voxel === 0 ? 'var(--paper)' : a.colour), stroke: a.colour, strokeWidth: 2, ariaLabel: r => `${a.key} ${r.voxel} ${r[`ratio_${a.key}`]}`, title: r => `${r.voxel === 0 ? 'extrapolated' : `voxel ${amount(r.voxel, 'um', 3)}`}\nD*/D₀ along ${a.key} ${show(r[`ratio_${a.key}`], 4)}\nλ ${show(r.lambda, 4)}`, tip: true}),

@@ -14,17 +14,17 @@ export function summary(name) {
 }
 
 function fractions() {
-  const ways = [['icvf_mesh', 'surfaces (divergence theorem)'], ['icvf_field', 'voxels of the field'], ['icvf_points', 'random points']];
+  const ways = [['icvf_mesh', 'surfaces'], ['icvf_field', 'voxels'], ['icvf_points', 'random points']];
   const rows = ways.map(([name, label]) => ({name, label, value: summary(name), error: name === 'icvf_points' ? summary('icvf_points_standard_error') ?? 0 : 0})).filter(r => r.value !== null);
   if (!rows.length) return missing('Volume fraction', 'No /statistics/summary with icvf_mesh, icvf_field or icvf_points: conceg analyse measures them.', analyse);
   const most = Math.max(...rows.map(r => r.value + r.error)), least = Math.min(...rows.map(r => r.value - r.error));
   const room = Math.max(0.004, (most - least) * 0.6);
   return figure({
     id: 'fractions', half: true, title: `Intracellular volume fraction, ${rows.length === 3 ? 'three' : rows.length} ways`,
-    text: `They are independent measures of one thing and lie ${show(most - least, 2)} apart; bars are one standard error.`,
+    text: `The volume of the surfaces by the divergence theorem, voxels of the skeletons’ field, and located points are independent measures of one thing. They lie ${show(most - least, 2)} apart; bars are one standard error.`,
     from: table('summary').where('name', 'value'),
     draw: width => plot(width, {
-      height: 60 + 44 * rows.length, marginLeft: Math.min(190, width * 0.36),
+      height: 60 + 44 * rows.length, marginLeft: 110,
       x: {label: 'volume of cells / volume of the box', domain: [least - room, most + room], grid: true, ticks: Math.max(3, Math.floor(width / 130))}, y: {label: null, domain: rows.map(r => r.label)},
       marks: [
         Plot.ruleY(rows, {y: 'label', x1: r => r.value - r.error, x2: r => r.value + r.error, stroke: '#2f7fc1', strokeWidth: 3}),
@@ -57,7 +57,7 @@ function counts() {
   const key = t.name === 'type' ? 'type' : 'class';
   const measures = ['cells', 'volume', 'volume_fraction', 'surface', 'cable', 'cable_density', 'soma_volume', 'mean_radius'].filter(c => t.has(c));
   return figure({
-    id: 'types', half: true, title: 'Cells by type', text: 'Counts, and what the cells of each type have together.', from: t.where(key, ...measures), table: t,
+    id: 'types', half: true, title: 'Cells by type', text: 'Counts, and what the cells of each type have together.', from: t.where(key, ...measures), table: [t, key === 'type' && table('class')],
     controls: [{key: 'measure', label: 'Show', choices: measures, names: Object.fromEntries(measures.map(m => [m, words(m)]))}],
     draw: (width, {measure}) => plot(width, {
       height: 60 + 34 * t.records.length, marginLeft: Math.min(150, width * 0.34), marginRight: 60,
@@ -93,7 +93,7 @@ function bars() {
   const rows = t.records.flatMap(r => states.map(state => ({type: r.type, state, count: r[state], share: r.bars ? r[state] / r.bars : 0})));
   const all = t.records.find(r => r.type === 'all') ?? t.records[0];
   return figure({
-    id: 'bars', half: true, title: 'Bars reached', from: t.where('type', ...states), table: t,
+    id: 'bars', half: true, title: 'Bars reached', from: t.where('type', ...states), table: [t, table('comparison_bars')],
     text: `A bar is one branch path asked of a cell. ${show(all.done)} of ${show(all.bars)} are done as asked, ${show(all.short)} short, ${show(all.lost)} lost; ${amount(all.achieved / 1000, 'mm')} of ${amount(all.asked / 1000, 'mm')} grew.`,
     series: states.map(key => ({key, colour: stateColours[key]})),
     draw: (width, {hidden}) => plot(width, {

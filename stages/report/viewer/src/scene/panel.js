@@ -74,10 +74,11 @@ export function scenePanel() {
   if (!hasSkeleton && !hasGroup('/skeleton')) notes.push('No /skeleton: conceg grow makes processes; only somata are drawn.');
   if (!hasSurface && !hasGroup('/meshes')) notes.push('No /meshes: conceg mesh makes surfaces.');
   const holder = h('div', {class: 'scene', 'data-surface': String(hasSurface)}), info = h('div', {class: 'cellcard', 'aria-live': 'polite'}), bar = h('div', {class: 'controls'}), legend = h('div', {class: 'legend', role: 'group', 'aria-label': 'cells shown'});
-  const panel = h('div', {class: 'scenepanel'}, bar, legend, holder, h('p', {class: 'note'}, 'Drag to turn, scroll to zoom, right button to move. Point at a cell for its name, click to keep it. ', ...notes.map(n => `${n} `)));
+  const help = h('span', {}, 'Drag to turn, scroll to zoom, right button to move. Point at a cell for its name, click to keep it. ');
+  const panel = h('div', {class: 'scenepanel'}, bar, legend, holder, h('p', {class: 'note'}, help, notes.join(' ')));
   if (!webgl()) {
     holder.replaceWith(missing('No WebGL here', 'This browser shows no WebGL 2, so the 3-D view is left out. All charts and tables work without it.'));
-    bar.remove(), legend.remove();
+    bar.remove(), legend.remove(), help.remove();
     return panel;
   }
   // The element needs its size first.
