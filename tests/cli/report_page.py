@@ -165,7 +165,7 @@ def main():
         (again / "again.sh").write_text(blocks[0].replace("ORIGINAL.cgx", str(work / "made.cgx")))
         (again / "recipe.yaml").write_text(blocks[1])
         done = subprocess.run(["bash", "again.sh"], cwd=again, env={**os.environ, "PATH": f"{programs}:{os.environ['PATH']}"}, capture_output=True, text=True)
-        expect(done.returncode == 0, f"the commands of the page make the document again: {done.stderr[-300:]}")
+        expect(done.returncode == 0, f"the commands of the page make the document again: {done.stdout[-600:]} {done.stderr[-300:]}")
 
         # Another document, another chart; and names that would break out of a careless page.
         shutil.copy(work / "full.cgx", work / "changed.cgx")

@@ -14,13 +14,19 @@ export function runs() {
   return stage.map((word, i) => ({stage: word, implementation: at('implementation', i), version: at('implementation_version', i), library: at('library_version', i), seed: at('seed', i), parameters: String(at('parameters', i)), input: at('input', i)}));
 }
 
+// A run's parameters, "{a: 1, b: \"x\"}" in YAML, as name -> value.
+const settings = text => new Map([...text.matchAll(/(\w+): ("(?:[^"\\]|\\.)*"|[^,}]*)/g)].map(m => [m[1], m[2]]));
+
 /** Commands that make the document again from recipe.yaml; `null` when nothing is known of its making. */
 export function commands() {
   const list = runs();
   if (!list.length) return null;
   // A stage that ran twice had other parameters each time, of which the recipe holds the last; a run may have had its own seed.
-  const twice = r => list.filter(x => x.stage === r.stage).length > 1;
-  const options = r => (twice(r) && r.parameters ? ` --set ${quoted(`${r.stage}=${r.parameters}`)}` : '') + (String(r.seed) !== String(list[0].seed) ? ` --seed ${r.seed}` : '');
+  const varied = r => {
+    const runsOf = list.filter(x => x.stage === r.stage).map(x => settings(x.parameters));
+    return [...settings(r.parameters)].filter(([name, value]) => runsOf.some(other => other.get(name) !== value));
+  };
+  const options = r => varied(r).map(([name, value]) => ` --set ${quoted(`${r.stage}.${name}=${value}`)}`).join('') + (String(r.seed) !== String(list[0].seed) ? ` --seed ${r.seed}` : '');
   const head = (r, i) => (i > 0 ? `conceg ${r.stage}` : r.stage === 'place' ? 'conceg place -p recipe.yaml' : `conceg ${r.stage} FILES...`);
   // A sink passes the document on only with -o.
   const passed = r => (['export', 'render', 'report'].includes(r.stage) ? ' -o -' : '');
@@ -44,7 +50,7 @@ export function commands() {
     }
   });
   const note = list[0].stage === 'place' ? '' : `# ${list[0].stage} read files that are not in the document: name them.\n`;
-  return `#!/bin/bash\n${note}set -o pipefail\n${lines.join('\n')}\nconceg diff again.cgx ORIGINAL.cgx --exact   # ORIGINAL.cgx: the document of this page\n`;
+  return `#!/bin/bash\n${note}set -o pipefail\n${lines.join('\n')}\nconceg diff again.cgx ORIGINAL.cgx   # ORIGINAL.cgx: the document of this page\n`;
 }
 
 function code(title, text, file) {
