@@ -147,15 +147,23 @@ def main():
 
         # The 3-D view knows which cell is where: asked at a grid of places, by a script that the policy would stop.
         asking = work / "asking.html"
-        probe = ("<script>setTimeout(() => { const s = document.querySelector('.scene'), ids = new Set();"
-                 " for (let x = 5; x < s.clientWidth; x += 25) for (let y = 5; y < s.clientHeight; y += 25) ids.add(s.pick(x, y));"
-                 " document.documentElement.dataset.ids = [...ids].filter(i => i !== null).join(' '); document.documentElement.dataset.empty = ids.has(null); }, 3000)</script></body>")
+        probe = ("""<script>setTimeout(() => {
+            const scene = document.querySelector('.scene'), canvas = scene.querySelector('canvas'), box = canvas.getBoundingClientRect(), ids = new Set();
+            let at = [0, 0];
+            for (let x = 5; x < scene.clientWidth; x += 25) for (let y = 5; y < scene.clientHeight; y += 25) { const id = scene.pick(x, y); ids.add(id); if (id !== null) at = [x, y]; }
+            for (const type of ['pointerdown', 'pointerup']) canvas.dispatchEvent(new PointerEvent(type, {clientX: box.x + at[0], clientY: box.y + at[1], pointerId: 1, bubbles: true}));
+            document.documentElement.dataset.ids = [...ids].filter(i => i !== null).join(' ');
+            document.documentElement.dataset.empty = ids.has(null);
+        }, 3000)</script></body>""")
         asking.write_text(re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", text).replace("</body>", probe))
         found = Seen(asking, work)
         with h5py.File(work / "full.cgx") as doc:
             cells = len(doc["/cells/id"])
         ids = {int(i) for i in (found.attribute("ids") or "").split()}
         expect(len(ids) > cells / 2 and ids <= set(range(cells)) and found.attribute("empty") == "true", f"cells under the pointer: {sorted(ids)} of {cells}")
+
+        card = re.sub("<[^>]*>", " ", (re.search(r'<div class="cellcard".*?</div>', found.dom, re.S) or [""])[0])
+        expect(re.search(r"cell +\d+ .*soma radius .*µm", card, re.S) and "object" not in card, f"the card of a cell: {card[:200]}")
 
         # What the page says of its making makes the document again.
         again = work / "again"

@@ -135,7 +135,7 @@ function start(holder, info, bar, legend, {hasSkeleton, hasSurface}) {
     hasSurface && hasSkeleton && select('Draw', {surface: 'surfaces', skeleton: 'skeletons'}, 'surface', value => { state.surface = value === 'surface'; again(); }),
     periodic && select('Cells', {box: 'within the box', whole: 'whole'}, 'box', value => { state.folded = value === 'box'; again(), view.fit(!state.folded); }),
     select('Colour', Object.fromEntries(Object.keys(ways).map(k => [k, `by ${k}`])), 'type', value => { state.by = value; fillLegend(); }),
-    model.hasBox && select('Cut', {'-1': 'none', 0: 'across x', 1: 'across y', 2: 'across z'}, '-1', value => { state.axis = Number(value); slider.hidden = side.hidden = state.axis < 0; cut(), where(); }),
+    model.hasBox && select('Cut', {'-1': 'none', 0: 'across x', 1: 'across y', 2: 'across z'}, '-1', value => { state.axis = Number(value); state.flipped = state.axis >= 0 && view.facesLow(state.axis); slider.hidden = side.hidden = state.axis < 0; cut(), where(); }),
     model.hasBox && slider, model.hasBox && place, model.hasBox && side,
     h('button', {type: 'button', class: 'small', onclick: () => view.fit(!state.folded)}, 'Reset view'),
     h('button', {type: 'button', class: 'small', onclick: () => h('a', {href: view.renderer.domElement.toDataURL('image/png'), download: 'tissue.png'}).click()}, 'Save PNG'),

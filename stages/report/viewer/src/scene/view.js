@@ -45,7 +45,7 @@ export class View {
       const sphere = box.getBoundingSphere(new THREE.Sphere());
       radius = sphere.radius * 0.86, centre = sphere.center;
     }
-    const distance = (whole ? 1.02 : 0.9) * radius / Math.sin(this.camera.fov * Math.PI / 360) / Math.min(1, this.camera.aspect || 1);
+    const distance = (whole ? 1.02 : 0.99) * radius / Math.sin(this.camera.fov * Math.PI / 360) / Math.min(1, this.camera.aspect || 1);
     const azimuth = 35 * Math.PI / 180, elevation = 20 * Math.PI / 180;
     this.camera.position.set(centre.x + distance * Math.cos(elevation) * Math.sin(azimuth), centre.y - distance * Math.cos(elevation) * Math.cos(azimuth), centre.z + distance * Math.sin(elevation));
     this.camera.near = distance / 500, this.camera.far = distance * 12;
@@ -107,6 +107,11 @@ export class View {
       this.uniforms.uPlane.value.set(...normal, flipped ? -at : at);
     }
     this.draw();
+  }
+
+  /** Whether the camera looks from the lower side of an axis: then that side is cut away first. */
+  facesLow(axis) {
+    return this.camera.position.getComponent(axis) < this.controls.target.getComponent(axis);
   }
 
   highlight(cell) {
