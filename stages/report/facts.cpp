@@ -19,10 +19,10 @@ constexpr std::uint64_t most_columns = 16;     // that an array of rank 2 become
 
 // Groups of which small arrays go to the page, and arrays of others that are of interest by themselves.
 const char *const groups[] = {"/domain", "/types", "/signals", "/protocol", "/provenance"};
-const char *const singles[] = {"/walkers@leaks",   "/walkers@retractions", "/walkers@steps",
-                               "/meshes@icvf",     "/meshes@grid_step",    "/meshes@gap",
+const char *const singles[] = {"/walkers@leaks",    "/walkers@retractions",  "/walkers@steps",
+                               "/meshes@icvf",      "/meshes@grid_step",     "/meshes@gap",
                                "/meshes@crossings", "/meshes@pairs_checked", "/volumes@spacing",
-                               "/volumes@shape",   "/dictionary/entry_name"};
+                               "/volumes@shape",    "/dictionary/entry_name"};
 
 conceg_array described(conceg_doc *doc, const char *path) {
   conceg_array array = {};
@@ -40,16 +40,35 @@ conceg_array read(conceg_doc *doc, const char *path) {
 
 void put_value(Json &json, const conceg_array &array, std::uint64_t i) {
   switch (array.dtype) {
-  case CONCEG_U8: json.whole(std::uint64_t{static_cast<const std::uint8_t *>(array.data)[i]}); break;
-  case CONCEG_I8: json.whole(std::int64_t{static_cast<const std::int8_t *>(array.data)[i]}); break;
-  case CONCEG_U32: json.whole(std::uint64_t{static_cast<const std::uint32_t *>(array.data)[i]}); break;
-  case CONCEG_I32: json.whole(std::int64_t{static_cast<const std::int32_t *>(array.data)[i]}); break;
-  case CONCEG_U64: json.whole(static_cast<const std::uint64_t *>(array.data)[i]); break;
-  case CONCEG_I64: json.whole(static_cast<const std::int64_t *>(array.data)[i]); break;
-  case CONCEG_F32: json.number(static_cast<const float *>(array.data)[i]); break;
-  case CONCEG_F64: json.number(static_cast<const double *>(array.data)[i]); break;
-  case CONCEG_TEXT: json.text(static_cast<const char *const *>(array.data)[i]); break;
-  default: json.null();
+  case CONCEG_U8:
+    json.whole(std::uint64_t{static_cast<const std::uint8_t *>(array.data)[i]});
+    break;
+  case CONCEG_I8:
+    json.whole(std::int64_t{static_cast<const std::int8_t *>(array.data)[i]});
+    break;
+  case CONCEG_U32:
+    json.whole(std::uint64_t{static_cast<const std::uint32_t *>(array.data)[i]});
+    break;
+  case CONCEG_I32:
+    json.whole(std::int64_t{static_cast<const std::int32_t *>(array.data)[i]});
+    break;
+  case CONCEG_U64:
+    json.whole(static_cast<const std::uint64_t *>(array.data)[i]);
+    break;
+  case CONCEG_I64:
+    json.whole(static_cast<const std::int64_t *>(array.data)[i]);
+    break;
+  case CONCEG_F32:
+    json.number(static_cast<const float *>(array.data)[i]);
+    break;
+  case CONCEG_F64:
+    json.number(static_cast<const double *>(array.data)[i]);
+    break;
+  case CONCEG_TEXT:
+    json.text(static_cast<const char *const *>(array.data)[i]);
+    break;
+  default:
+    json.null();
   }
 }
 
@@ -104,7 +123,8 @@ void put_table(conceg_doc *doc, const std::string &name, const std::vector<std::
     rows = std::max(rows, array.rank ? array.shape[0] : 1);
   }
   const std::uint64_t shown = std::min(rows, most);
-  json.open('{').key("name").text(name).key("path").text(name.empty() ? "/statistics" : "/statistics/" + name);
+  json.open('{').key("name").text(name).key("path").text(name.empty() ? "/statistics"
+                                                                      : "/statistics/" + name);
   json.key("rows").whole(rows).key("shown").whole(shown).key("columns").open('[');
   std::vector<std::string> left_out;
   for (const std::string &path : datasets) {
@@ -119,7 +139,8 @@ void put_table(conceg_doc *doc, const std::string &name, const std::vector<std::
     const conceg_array array = read(doc, path.c_str());
     const std::uint64_t own = std::min(array.rank ? array.shape[0] : 1, shown);
     for (std::uint64_t k = 0; k < width; k++)
-      put_column(json, name_in(path) + (width > 1 ? "[" + std::to_string(k) + "]" : ""), path, array, k, width, own);
+      put_column(json, name_in(path) + (width > 1 ? "[" + std::to_string(k) + "]" : ""), path, array, k,
+                 width, own);
   }
   json.close(']').key("left_out").open('[');
   for (const std::string &line : left_out)
@@ -136,7 +157,8 @@ void put_tables(conceg_doc *doc, const std::string &group, std::uint64_t rows, J
       datasets.push_back(path);
   }
   if (!datasets.empty())
-    put_table(doc, group == "/statistics" ? "" : group.substr(std::strlen("/statistics/")), datasets, rows, json);
+    put_table(doc, group == "/statistics" ? "" : group.substr(std::strlen("/statistics/")), datasets, rows,
+              json);
 }
 
 void put_array(conceg_doc *doc, const std::string &path, Json &json) {

@@ -53,8 +53,9 @@ public:
   }
   Json &whole(std::int64_t value) {
     const std::string digits = std::to_string(value);
-    return value > static_cast<std::int64_t>(exact) || value < -static_cast<std::int64_t>(exact) ? text(digits)
-                                                                                               : raw(digits);
+    return value > static_cast<std::int64_t>(exact) || value < -static_cast<std::int64_t>(exact)
+               ? text(digits)
+               : raw(digits);
   }
   Json &flag(bool value) { return raw(value ? "true" : "false"); }
   Json &null() { return raw("null"); }

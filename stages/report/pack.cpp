@@ -58,8 +58,8 @@ std::vector<Block> pack(const Scene &scene, Json &json) {
   for (const float radius : runs.radius)
     widest = std::max(widest, radius);
 
-  Block position{"run-position", {}}, radius{"run-radius", {}}, vertex{"mesh-position", {}}, face{"mesh-face", {}},
-      soma{"soma", {}};
+  Block position{"run-position", {}}, radius{"run-radius", {}}, vertex{"mesh-position", {}},
+      face{"mesh-face", {}}, soma{"soma", {}};
   for (const glm::dvec3 &p : runs.position)
     frame.append_to(position.bytes, p);
   for (const float r : runs.radius)

@@ -30,7 +30,8 @@ std::string base64(const std::vector<std::uint8_t> &bytes) {
 std::string data_elements(const std::string &json, const std::vector<Block> &blocks) {
   std::string out = "<script type=\"application/json\" id=\"facts\">" + json + "</script>\n";
   for (const Block &block : blocks)
-    out += "<script type=\"application/base64\" id=\"" + block.name + "\">" + base64(block.bytes) + "</script>\n";
+    out += "<script type=\"application/base64\" id=\"" + block.name + "\">" + base64(block.bytes) +
+           "</script>\n";
   return out;
 }
 

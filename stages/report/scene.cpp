@@ -10,7 +10,7 @@ namespace conceg::reporting {
 namespace {
 
 // Far enough for any tissue, and near enough that voxels have numbers.
-constexpr double farthest = 1e7;                // um
+constexpr double farthest = 1e7;                 // um
 constexpr std::uint64_t most_faces = 20'000'000; // more are not even read: they would not fit by far
 
 std::string sentence(const char *format, ...) CONCEG_PRINTF(1, 2);
@@ -51,7 +51,8 @@ void read_cells(conceg_doc *doc, Scene &scene) {
   const auto radius = view<float>(doc, "/cells/radius");
   const std::size_t types = has(doc, "/types/name") ? texts(doc, "/types/name").size() : 0;
   scene.cells = id.rows();
-  check_length("/cells/type", type.rows(), scene.cells), check_length("/cells/soma", soma.rows(), scene.cells);
+  check_length("/cells/type", type.rows(), scene.cells),
+      check_length("/cells/soma", soma.rows(), scene.cells);
   check_length("/cells/radius", radius.rows(), scene.cells);
   scene.id.assign(id.begin(), id.end()), scene.type.assign(type.begin(), type.end());
   scene.soma_radius.assign(radius.begin(), radius.end());
@@ -87,16 +88,16 @@ void read_skeletons(conceg_doc *doc, Scene &scene, std::size_t most) {
       if (!(radius[i] > 0) || !std::isfinite(radius[i]))
         fail(CONCEG_E_RANGE, "/skeleton/radius[%zu]: expected a radius above 0 um", i);
     }
-  scene.skeleton =
-      thin({offset.data(), position.data(), radius.data(), parent.data(), kind.data(), scene.cells, scene.points},
-           most / 8);
+  scene.skeleton = thin(
+      {offset.data(), position.data(), radius.data(), parent.data(), kind.data(), scene.cells, scene.points},
+      most / 8);
   const Thinned &thinned = scene.skeleton;
   if (thinned.stride == 0)
     scene.left_out.push_back(sentence("All skeletons: %zu points are too many for this page.", scene.points));
   else if (thinned.spacing_um > 0)
     scene.left_out.push_back(
-        sentence("Of %zu skeleton points %zu are drawn: one per %g um of path, every fork and tip.", scene.points,
-                 thinned.runs.position.size(), thinned.spacing_um));
+        sentence("Of %zu skeleton points %zu are drawn: one per %g um of path, every fork and tip.",
+                 scene.points, thinned.runs.position.size(), thinned.spacing_um));
   if (thinned.stride > 1)
     scene.left_out.push_back(
         sentence("Only the processes of every %zuth cell are drawn; somata are all there.", thinned.stride));
@@ -131,8 +132,9 @@ void read_surfaces(conceg_doc *doc, Scene &scene, std::size_t most) {
   if (!has(doc, "/meshes/face")) return;
   scene.faces = rows_at(doc, "/meshes/face");
   if (scene.faces > most_faces) {
-    scene.left_out.push_back(sentence("All surfaces: %llu triangles are too many for a page; skeletons stand for them.",
-                                      static_cast<unsigned long long>(scene.faces)));
+    scene.left_out.push_back(
+        sentence("All surfaces: %llu triangles are too many for a page; skeletons stand for them.",
+                 static_cast<unsigned long long>(scene.faces)));
     return;
   }
   const auto cell = view<std::uint32_t>(doc, "/meshes/cell");
@@ -155,8 +157,8 @@ void read_surfaces(conceg_doc *doc, Scene &scene, std::size_t most) {
     for (std::size_t f = first_face[k]; f < first_face[k + 1]; f++) {
       for (int corner = 0; corner < 3; corner++)
         if (face.row(f)[corner] >= surface.vertex.size())
-          fail(CONCEG_E_RANGE, "/meshes/face[%zu]: expected vertices below %zu, got %u", f, surface.vertex.size(),
-               face.row(f)[corner]);
+          fail(CONCEG_E_RANGE, "/meshes/face[%zu]: expected vertices below %zu, got %u", f,
+               surface.vertex.size(), face.row(f)[corner]);
       surface.face.emplace_back(face.row(f)[0], face.row(f)[1], face.row(f)[2]);
     }
     scene.faces += surface.face.size();
@@ -165,15 +167,16 @@ void read_surfaces(conceg_doc *doc, Scene &scene, std::size_t most) {
   scene.surfaces = surfaces.size();
   scene.mesh = coarsen(std::move(surfaces), most);
   if (scene.level > 0)
-    scene.left_out.push_back(sentence("Surfaces are those of level %d, which may cross one another.", scene.level));
+    scene.left_out.push_back(
+        sentence("Surfaces are those of level %d, which may cross one another.", scene.level));
   if (scene.surfaces && scene.mesh.surfaces.empty())
     scene.left_out.push_back(
         sentence("All surfaces: %llu triangles do not fit, even simplified; give a larger --size-mb.",
                  static_cast<unsigned long long>(scene.faces)));
   else if (scene.mesh.step_um > 0)
-    scene.left_out.push_back(
-        sentence("Surfaces are simplified (vertices within voxels of %g um are merged), for the picture alone.",
-                 scene.mesh.step_um));
+    scene.left_out.push_back(sentence(
+        "Surfaces are simplified (vertices within voxels of %g um are merged), for the picture alone.",
+        scene.mesh.step_um));
 }
 
 } // namespace

@@ -19,8 +19,8 @@ struct SkeletonView {
   std::size_t cells = 0, points = 0;
 };
 
-// Unbranched runs. Run i has the points point_offset[i] .. point_offset[i + 1]; one that begins at a fork begins
-// with the fork's point.
+// Unbranched runs. Run i has the points point_offset[i] .. point_offset[i + 1]; one that begins at a fork
+// begins with the fork's point.
 struct Runs {
   std::vector<glm::dvec3> position; // um
   std::vector<float> radius;        // um
@@ -28,8 +28,8 @@ struct Runs {
   std::vector<std::uint8_t> kind;
 };
 
-// The points of every `stride`-th cell, of which within a run those go that are nearer than `spacing_um` (along
-// the run) to the one before; ends of runs stay. 0 keeps all.
+// The points of every `stride`-th cell, of which within a run those go that are nearer than `spacing_um`
+// (along the run) to the one before; ends of runs stay. 0 keeps all.
 Runs runs_of(const SkeletonView &skeletons, double spacing_um, std::size_t stride);
 
 // How far skeletons had to be thinned.
@@ -39,7 +39,8 @@ struct Thinned {
   std::size_t stride = 1;  // every stride-th cell, 1 = all; 0 = none, as even one cell is too much
 };
 
-// Every point where they are at most `most`, else a spacing of 0.5, 1, 2, 4 or 8 um, and past that fewer cells.
+// Every point where they are at most `most`, else a spacing of 0.5, 1, 2, 4 or 8 um, and past that fewer
+// cells.
 Thinned thin(const SkeletonView &skeletons, std::size_t most);
 
 } // namespace conceg::reporting

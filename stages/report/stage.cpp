@@ -14,14 +14,15 @@ using namespace conceg;
 using namespace conceg::reporting;
 
 const conceg_param parameters[] = {
-    {"page", "", "the page to write; conceg report also takes it from -o when that ends in .html", "report.html",
-     nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
+    {"page", "", "the page to write; conceg report also takes it from -o when that ends in .html",
+     "report.html", nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
     {"size_mb", "MB",
-     "most that skeletons and surfaces take of the page; what does not fit is thinned or left out, and the page "
+     "most that skeletons and surfaces take of the page; what does not fit is thinned or left out, and the "
+     "page "
      "says so",
      "20", nullptr, CONCEG_PARAM_F64, 0, 0.01, 500},
-    {"rows", "", "most rows of a table; the page says how many are left out", "2000", nullptr, CONCEG_PARAM_I64, 0,
-     1, 1000000},
+    {"rows", "", "most rows of a table; the page says how many are left out", "2000", nullptr,
+     CONCEG_PARAM_I64, 0, 1, 1000000},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};
 
 std::string page_of(const conceg_params *params) {
@@ -58,25 +59,26 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
   });
 }
 
-const char *const reads[] = {"?domain",   "?types",   "?cells",     "?skeleton",   "?meshes",     "?volumes", "?protocol",
-                             "?walkers",  "?signals", "?statistics", "?provenance", "?dictionary", nullptr};
+const char *const reads[] = {"?domain",     "?types",      "?cells",   "?skeleton", "?meshes",
+                             "?volumes",    "?protocol",   "?walkers", "?signals",  "?statistics",
+                             "?provenance", "?dictionary", nullptr};
 const char *const nothing[] = {nullptr};
 
 } // namespace
 
 extern "C" CONCEG_EXPORT const conceg_stage conceg_stage_report;
-extern "C" const conceg_stage conceg_stage_report = {
-    CONCEG_STAGE_ABI,
-    sizeof(conceg_stage),
-    "report",
-    "page",
-    "1.0.0",
-    "writes one HTML page: the cells in 3-D, every table and signal as a chart, the recipe that makes it again",
-    "conceg report cube.cgx -o report.html",
-    parameters,
-    reads,
-    nothing,
-    nothing,
-    CONCEG_STAGE_SINK,
-    check,
-    run};
+extern "C" const conceg_stage conceg_stage_report = {CONCEG_STAGE_ABI,
+                                                     sizeof(conceg_stage),
+                                                     "report",
+                                                     "page",
+                                                     "1.0.0",
+                                                     "writes one HTML page: the cells in 3-D, every table "
+                                                     "and signal as a chart, the recipe that makes it again",
+                                                     "conceg report cube.cgx -o report.html",
+                                                     parameters,
+                                                     reads,
+                                                     nothing,
+                                                     nothing,
+                                                     CONCEG_STAGE_SINK,
+                                                     check,
+                                                     run};

@@ -19,7 +19,8 @@ struct Tree {
   std::vector<std::uint8_t> kind;
   std::vector<std::uint64_t> offset{0};
   void add(double x, double y, std::int64_t before, std::uint8_t type = 3) {
-    position.insert(position.end(), {x, y, 0.0}), radius.push_back(0.5f), parent.push_back(before), kind.push_back(type);
+    position.insert(position.end(), {x, y, 0.0}), radius.push_back(0.5f), parent.push_back(before),
+        kind.push_back(type);
   }
   void cell() {
     const auto first = static_cast<std::int64_t>(parent.size());
@@ -27,11 +28,13 @@ struct Tree {
       add(static_cast<double>(i), 0, i - 1);
     for (const double way : {1.0, -1.0})
       for (std::int64_t i = 1; i <= 5; i++)
-        add(10.0 + static_cast<double>(i), way * static_cast<double>(i), i == 1 ? 10 : static_cast<std::int64_t>(parent.size()) - first - 1);
+        add(10.0 + static_cast<double>(i), way * static_cast<double>(i),
+            i == 1 ? 10 : static_cast<std::int64_t>(parent.size()) - first - 1);
     offset.push_back(parent.size());
   }
   SkeletonView view() const {
-    return {offset.data(), position.data(), radius.data(), parent.data(), kind.data(), offset.size() - 1, parent.size()};
+    return {offset.data(), position.data(),   radius.data(), parent.data(),
+            kind.data(),   offset.size() - 1, parent.size()};
   }
 };
 
@@ -39,7 +42,7 @@ static void runs() {
   Tree tree;
   tree.cell();
   const Runs all = runs_of(tree.view(), 0, 1);
-  CHECK_EQUAL(all.cell.size(), 3);          // stem and two daughters,
+  CHECK_EQUAL(all.cell.size(), 3);           // stem and two daughters,
   CHECK_EQUAL(all.position.size(), 11 + 12); // which begin with the fork's point
   CHECK_NEAR(all.position[11].x, 10, 0);
   CHECK_NEAR(all.position[17].x, 10, 0);
@@ -89,7 +92,9 @@ static void clusters() {
   CHECK_EQUAL(coarsen({fine}, 40).surfaces.size(), 0);
 }
 
-template <class Fill> static conceg_status read_with(Fill &&fill, Scene *out = nullptr, std::size_t most = 1'000'000, std::string *line = nullptr) {
+template <class Fill>
+static conceg_status read_with(Fill &&fill, Scene *out = nullptr, std::size_t most = 1'000'000,
+                               std::string *line = nullptr) {
   conceg_ctx *ctx = conceg_ctx_new();
   conceg_doc *doc = nullptr;
   CHECK_EQUAL(conceg_doc_new(ctx, &doc), CONCEG_OK);
@@ -143,26 +148,51 @@ static void damaged() {
   const auto refused = [](auto fill, const char *words) {
     std::string line;
     CHECK(read_with(fill, nullptr, 1'000'000, &line) != CONCEG_OK);
-    if (line.find(words) == std::string::npos) std::fprintf(stderr, "expected %s in: %s\n", words, line.c_str());
+    if (line.find(words) == std::string::npos)
+      std::fprintf(stderr, "expected %s in: %s\n", words, line.c_str());
     CHECK(line.find(words) != std::string::npos);
   };
-  refused([](conceg_doc *d) { put(d, "/cells/type", std::vector<std::uint32_t>{0, 99, 0}); }, "/cells/type[1]");
-  refused([](conceg_doc *d) { put(d, "/cells/radius", std::vector<float>{1, 2}); }, "/cells/radius: expected 3 rows");
-  refused([](conceg_doc *d) { put(d, "/cells/soma", std::vector<double>{0, 0, 0, 1e300, 0, 0, 0, 0, 0}, 3); }, "/cells/soma[1]");
-  refused([](conceg_doc *d) { put(d, "/skeleton/cell_offset", std::vector<std::uint64_t>{0, 1u << 30, 2, 3}); }, "/skeleton/cell_offset");
-  refused([](conceg_doc *d) {
-    auto parent = view<std::int64_t>(d, "/skeleton/parent");
-    std::vector<std::int64_t> other(parent.begin(), parent.end());
-    other[1] = 1;
-    put(d, "/skeleton/parent", other);
-  }, "/skeleton/parent[1]");
-  refused([](conceg_doc *d) { put(d, "/meshes/cell", std::vector<std::uint32_t>{0, 1, 7}); }, "/meshes/cell[2]");
-  refused([](conceg_doc *d) {
-    auto face = view<std::uint32_t>(d, "/meshes/face", 3);
-    std::vector<std::uint32_t> other(face.begin(), face.end());
-    other[3] = 4'000'000'000u;
-    put(d, "/meshes/face", other, 3);
-  }, "/meshes/face[1]");
+  refused(
+      [](conceg_doc *d) {
+        put(d, "/cells/type", std::vector<std::uint32_t>{0, 99, 0});
+      },
+      "/cells/type[1]");
+  refused(
+      [](conceg_doc *d) {
+        put(d, "/cells/radius", std::vector<float>{1, 2});
+      },
+      "/cells/radius: expected 3 rows");
+  refused(
+      [](conceg_doc *d) {
+        put(d, "/cells/soma", std::vector<double>{0, 0, 0, 1e300, 0, 0, 0, 0, 0}, 3);
+      },
+      "/cells/soma[1]");
+  refused(
+      [](conceg_doc *d) {
+        put(d, "/skeleton/cell_offset", std::vector<std::uint64_t>{0, 1u << 30, 2, 3});
+      },
+      "/skeleton/cell_offset");
+  refused(
+      [](conceg_doc *d) {
+        auto parent = view<std::int64_t>(d, "/skeleton/parent");
+        std::vector<std::int64_t> other(parent.begin(), parent.end());
+        other[1] = 1;
+        put(d, "/skeleton/parent", other);
+      },
+      "/skeleton/parent[1]");
+  refused(
+      [](conceg_doc *d) {
+        put(d, "/meshes/cell", std::vector<std::uint32_t>{0, 1, 7});
+      },
+      "/meshes/cell[2]");
+  refused(
+      [](conceg_doc *d) {
+        auto face = view<std::uint32_t>(d, "/meshes/face", 3);
+        std::vector<std::uint32_t> other(face.begin(), face.end());
+        other[3] = 4'000'000'000u;
+        put(d, "/meshes/face", other, 3);
+      },
+      "/meshes/face[1]");
 }
 
 static void nothing() {

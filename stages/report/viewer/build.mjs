@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Makes dist/viewer.html of src/: one file, with the notices of what is in it. Same input, same bytes.
+// Makes dist/viewer.html of src/, or that file in the folder named: one file, with the notices of what is in it. Same input, same bytes.
 import {createHash} from 'node:crypto';
 import {mkdirSync, readdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {dirname, join} from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {build} from 'esbuild';
 
-const here = dirname(fileURLToPath(import.meta.url));
+const here = dirname(fileURLToPath(import.meta.url)), out = process.argv[2] ?? join(here, 'dist');
 const read = name => readFileSync(join(here, name), 'utf8');
 
 const made = await build({
@@ -29,7 +29,7 @@ const notice = ['The viewer of conceg report (BSD-3-Clause), with code of', ...a
 const hash = createHash('sha256').update(script).digest('base64');
 const page = read('src/page.html').replace('{{HASH}}', hash).replace('{{NOTICE}}', () => notice).replace('{{STYLE}}', () => style.outputFiles[0].text.trim()).replace('{{SCRIPT}}', () => script);
 if (page.split('<!--CONCEG-DATA-->').length !== 2) throw new Error('expected one slot for the data');
-mkdirSync(join(here, 'dist'), {recursive: true});
-writeFileSync(join(here, 'dist/viewer.html'), page);
-writeFileSync(join(here, 'dist/THIRD-PARTY.txt'), about.map(p => `${p.name} ${p.version} (${p.license})\n\n${p.text}\n`).join(`\n${'='.repeat(78)}\n\n`));
-console.log(`dist/viewer.html: ${page.length} bytes, ${about.length} packages`);
+mkdirSync(out, {recursive: true});
+writeFileSync(join(out, 'viewer.html'), page);
+writeFileSync(join(out, 'THIRD-PARTY.txt'), about.map(p => `${p.name} ${p.version} (${p.license})\n\n${p.text}\n`).join(`\n${'='.repeat(78)}\n\n`));
+console.log(`viewer.html: ${page.length} bytes, ${about.length} packages`);

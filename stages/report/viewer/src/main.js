@@ -98,6 +98,15 @@ function title() {
   return line ? line[1].replace(/^(['"])(.*)\1$/, '$2') : 'ConCeG report';
 }
 
+// What made the tissue, in one sentence.
+function origin() {
+  const first = runs()[0];
+  if (!first) return `A document of ConCeG ${facts.version}.`;
+  if (first.stage === 'import') return `Tissue or signals of another program, read by ConCeG ${first.library}.`;
+  if (first.stage === 'characterise') return `A dictionary of real cells, made by ConCeG ${first.library}.`;
+  return `A piece of synthetic grey matter, made by ConCeG ${first.library} with seed ${first.seed}.`;
+}
+
 function themeButton() {
   const root = document.documentElement, names = {auto: 'Theme: auto', light: 'Theme: light', dark: 'Theme: dark'}, order = ['auto', 'light', 'dark'];
   let now = 'auto';
@@ -114,10 +123,10 @@ function themeButton() {
 
 function page() {
   document.title = title();
-  const list = sections(), seed = runs()[0]?.seed;
+  const list = sections();
   const links = list.map(([id, name]) => h('a', {href: `#${id}`}, name));
   const main = h('main', {}, h('header', {class: 'head'}, h('h1', {}, title()),
-    h('p', {class: 'lead'}, ['A piece of synthetic grey matter, made by ConCeG', facts.version, seed !== undefined && seed !== '' ? `with seed ${seed}` : ''].filter(Boolean).join(' ') + '. Every chart names the array it shows; nothing on this page is loaded from anywhere.'), tiles()));
+    h('p', {class: 'lead'}, origin() + ' Every chart names the array it shows; nothing on this page is loaded from anywhere.'), tiles()));
   for (const [id, name, lead, content] of list) {
     const section = h('section', {id, class: 'part'}, h('h2', {}, h('a', {href: `#${id}`, class: 'anchor'}, name)), lead && h('p', {class: 'lead'}, lead));
     try {

@@ -71,8 +71,9 @@ export function scenePanel() {
   if (!scene.cells) return missing('No cells', 'No /cells: conceg place makes them, conceg import reads those of others.', 'conceg run apps/recipes/cube.yaml --until mesh -o cube.cgx');
   const notes = [...scene.left_out];
   const hasSkeleton = document.getElementById('run-cell').textContent.length > 0, hasSurface = scene.surfaces.length > 0;
-  if (!hasSkeleton && !hasGroup('/skeleton')) notes.push('No /skeleton: conceg grow makes processes; only somata are drawn.');
+  if (!hasSkeleton && !hasGroup('/skeleton')) notes.push('No /skeleton: conceg grow makes processes; only somata are drawn, where cells have any.');
   if (!hasSurface && !hasGroup('/meshes')) notes.push('No /meshes: conceg mesh makes surfaces.');
+  if (!hasSkeleton && !hasSurface && hasGroup('/volumes')) notes.push('Cells that are labels of /volumes alone have no shape here; their tables are below.');
   const holder = h('div', {class: 'scene', 'data-surface': String(hasSurface)}), info = h('div', {class: 'cellcard', 'aria-live': 'polite'}), bar = h('div', {class: 'controls'}), legend = h('div', {class: 'legend', role: 'group', 'aria-label': 'cells shown'});
   const help = h('span', {}, 'Drag to turn, scroll to zoom, right button to move. Point at a cell for its name, click to keep it. ');
   const panel = h('div', {class: 'scenepanel'}, bar, legend, holder, h('p', {class: 'note'}, help, notes.join(' ')));
