@@ -31,6 +31,13 @@ std::string page_of(const conceg_params *params) {
   return path;
 }
 
+// What killed runs have left in the page's folder goes.
+void sweep(const std::string &path) {
+  const std::size_t slash = path.rfind('/');
+  const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
+  (void)!conceg_clean(nullptr, folder.c_str(), 0, nullptr, nullptr);
+}
+
 conceg_status check(conceg_ctx *ctx, conceg_doc *, const conceg_params *params) {
   return guard(ctx, "report", [&] { (void)page_of(params); });
 }
@@ -38,6 +45,7 @@ conceg_status check(conceg_ctx *ctx, conceg_doc *, const conceg_params *params) 
 conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   return guard(ctx, "report", [&] {
     const std::string path = page_of(params);
+    sweep(path);
     OutputFile file(path); // a folder that cannot be written to is refused before any work
     // Four characters of the page hold three bytes.
     const auto most = static_cast<std::size_t>(conceg_params_f64(params, "size_mb") * 1e6 * 0.75);

@@ -220,11 +220,12 @@ class Parameters:
         (work / "signals.txt").write_text("1 0.8 0.4\n")
         (work / "bvals").write_text("0 1000 3000\n")
         (work / "bvecs").write_text("0 1 0\n0 0 1\n0 0 0\n")
+        self.must("analyse", work / "mesh.cgx", "--points", "1000", "-q", "-o", work / "tables.cgx")
         self.must("import", "signal", work / "signals.csv", "--pulse-duration-ms=5", "--pulse-separation-ms=20", "-q", "-o", work / "signals.cgx")
         made = work / "made"
         self.inputs = {
             "place": ["-p", recipe], "triangulate": [made / "01-place.cgx"], "grow": [made / "02-triangulate.cgx"], "relax": [made / "03-grow.cgx"],
-            "mesh": [made / "04-relax.cgx"], "analyse": [work / "mesh.cgx"], "simulate": [work / "mesh.cgx"], "export": [work / "mesh.cgx"], "render": [work / "mesh.cgx"], "report": [work / "mesh.cgx"],
+            "mesh": [made / "04-relax.cgx"], "analyse": [work / "mesh.cgx"], "simulate": [work / "mesh.cgx"], "export": [work / "mesh.cgx"], "render": [work / "mesh.cgx"], "report": [work / "tables.cgx"],
             "fit": [work / "signals.cgx"],
             "characterise": [work / "cell.swc"], "import": ["swc", work / "loose-trees.swc"],
         }
