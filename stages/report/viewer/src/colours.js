@@ -10,7 +10,7 @@ export const classShades = {
   axon: ['#c9a21b', '#e6cb5e', '#8f7110', '#f2e09c'],
   other: ['#7f8790', '#abb2ba', '#555c64', '#cbd0d6'],
 };
-export const series = ['#2f7fc1', '#e07b39', '#2a9d78', '#a56cc1', '#c9a21b', '#d1495b', '#6c7a89', '#4bb3c3'];
+export const series = ['#2f7fc1', '#e07b39', '#2a9d78', '#a56cc1', '#c9a21b', '#d1495b', '#6c7a89', '#4bb3c3', '#8c6d31', '#b23a8a', '#3b5b92', '#7d9b3a'];
 
 export const classColour = name => (classShades[name] ?? classShades.other)[0];
 export const seriesColour = i => series[i % series.length];

@@ -20,7 +20,9 @@ function guess(t) {
   const plain = numbers.filter(c => !/(_error|_se|_sd|_low|_high|count|cells)$/.test(c) && c !== coordinate);
   const y = plain.find(c => /(effect|value|mean|diffusivity|distance)/.test(c)) ?? plain[0] ?? numbers[0];
   if (coordinate) return {x: coordinate, y, series: labels[0] ?? ''};
-  if (labels.length) return {x: labels.find(c => spread(t, c) === Math.max(...labels.map(l => spread(t, l)))), y, series: labels.find(c => spread(t, c) < 9 && c !== labels[0]) ?? ''};
+  // Names that still can be read below one another; the one with most of them.
+  const readable = labels.filter(c => spread(t, c) <= 30), x = readable.find(c => spread(t, c) === Math.max(...readable.map(l => spread(t, l))));
+  if (x) return {x, y, series: readable.find(c => spread(t, c) < 9 && c !== x) ?? ''};
   return {x: numbers[0], y: numbers[1] ?? numbers[0], series: ''};
 }
 
@@ -50,10 +52,10 @@ function curves(t, width, {x, y, series, logx, logy}, hidden, error) {
   });
 }
 
-/** A chart of any two columns of the table; the table alone where it has no numbers. */
+/** A chart of any two columns of the table; the table alone where it has no numbers or hardly any rows. */
 export function explorer(t, half = false) {
   const numbers = numeric(t);
-  if (!numbers.length || !t.records.length) return h('div', {class: 'frame'}, h('h3', {}, words(t.name || 'statistics')), tableWithTools(t));
+  if (!numbers.length || t.records.length < 3) return h('div', {class: 'frame'}, h('h3', {}, words(t.name || 'statistics')), tableWithTools(t));
   const first = guess(t), labels = textual(t);
   const keys = first.series ? [...new Set(t.records.map(r => String(r[first.series])))] : [];
   const names = Object.fromEntries([...numbers, ...labels].map(c => [c, words(c)]));

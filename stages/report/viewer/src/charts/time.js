@@ -3,7 +3,7 @@
 import * as Plot from '@observablehq/plot';
 import {seriesColour} from '../colours.js';
 import {table} from '../data.js';
-import {amount, show} from '../dom.js';
+import {amount, h, show} from '../dom.js';
 import {figure, plot} from '../figure.js';
 import {explorer} from './generic.js';
 
@@ -19,7 +19,7 @@ function tail(t, fits) {
   const axes = ['mean', 'x', 'y', 'z'].filter(a => a === 'mean' || t.has(`diffusivity_${a}`));
   const of = (axis, error = '') => (axis === 'mean' ? `diffusivity${error}` : `diffusivity_${axis}${error}`);
   return figure({
-    id: 'diffusivity-tail', half: true, title: 'How D(t) ends', text: 'D(t) = D∞ + A t^-θ fitted to its end (dashed). Disorder in one dimension gives θ = ½, in two 1, in three 3/2.', from: [...t.where('time', 'diffusivity', 'diffusivity_error'), ...(fits ? fits.where('limit', 'amplitude', 'exponent') : [])], table: [t, fits],
+    id: 'diffusivity-tail', half: true, title: 'How D(t) ends', text: ['D(t) = D∞ + A t', h('sup', {}, '−θ'), ' fitted to its end (dashed). Disorder in one dimension gives θ = ½, in two 1, in three 3/2.'], from: [...t.where('time', 'diffusivity', 'diffusivity_error'), ...(fits ? fits.where('limit', 'amplitude', 'exponent') : [])], table: [t, fits],
     series: names.map(key => ({key, colour: colour(key)})),
     controls: [{key: 'axis', label: 'Axis', choices: axes}, ...(laws.length ? [{key: 'law', label: 'Law', choices: laws}] : []), {key: 'x', label: 'x', choices: ['t', 'root'], names: {t: 't', root: '1/√t'}}],
     draw: (width, state) => {

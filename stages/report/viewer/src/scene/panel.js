@@ -32,7 +32,7 @@ function colourings(model) {
     const keys = [...(values('/domain/layer_name') ?? []), 'outside'];
     ways.layer = {keys, colours: keys.map((_, i) => seriesColour(i)), of: layer};
   }
-  ways.cell = {keys: types, colours: shades, of: cell => types[model.type[cell]], colour: cell => seriesColour((cell * 5 + 1) % 8)};
+  ways.cell = {keys: types, colours: shades, of: cell => types[model.type[cell]], colour: cell => seriesColour(cell * 5 + 1)};
   return ways;
 }
 
