@@ -120,7 +120,7 @@ def main():
         shutil.copy(work / "full.cgx", work / "made.cgx")
         with h5py.File(work / "full.cgx", "a") as doc:
             # Tables that no section knows are shown too.
-            for name, rows in (("structure_planted", [0.25, -0.5]), ("x_unheard_of", [3.5, 4.25])):
+            for name, rows in (("structure_planted", [0.25, -0.5, 1.5]), ("x_unheard_of", [3.5, 4.25, 5.0])):
                 group = doc.create_group(f"/statistics/{name}")
                 group.create_dataset("value", data=np.array(rows)).attrs["unit"] = "um"
         conceg("report", work / "full.cgx", "-q", "-o", work / "full.html")

@@ -31,9 +31,11 @@ function cell(column, value) {
 
 /** A sortable <table> of {columns, records}. */
 export function sortable(table) {
+  // Names first, then numbers, each in the document's order.
+  const columns = [...table.columns.filter(isText), ...table.columns.filter(c => !isText(c))];
   let by = null, falling = false, all = false;
   const body = h('tbody'), more = h('p', {class: 'note'});
-  const heads = table.columns.map(column => {
+  const heads = columns.map(column => {
     const button = h('button', {type: 'button', class: 'sort'}, words(column.name), unitText(column.unit) && h('span', {class: 'unit'}, unitText(column.unit)));
     button.addEventListener('click', () => {
       falling = by === column ? !falling : false;
@@ -45,8 +47,8 @@ export function sortable(table) {
   function fill() {
     const rows = [...table.records];
     if (by) rows.sort((a, b) => (falling ? -1 : 1) * compare(a[by.name], b[by.name], isText(by)));
-    body.replaceChildren(...rows.slice(0, all ? rows.length : most).map(r => h('tr', {}, table.columns.map(c => cell(c, r[c.name])))));
-    heads.forEach((head, i) => head.setAttribute('aria-sort', table.columns[i] !== by ? 'none' : falling ? 'descending' : 'ascending'));
+    body.replaceChildren(...rows.slice(0, all ? rows.length : most).map(r => h('tr', {}, columns.map(c => cell(c, r[c.name])))));
+    heads.forEach((head, i) => head.setAttribute('aria-sort', columns[i] !== by ? 'none' : falling ? 'descending' : 'ascending'));
     more.replaceChildren();
     if (!all && rows.length > most)
       more.append(`The first ${most} of ${show(rows.length)} rows. `, h('button', {type: 'button', class: 'small', onclick: () => { all = true; fill(); }}, 'Show all'));
