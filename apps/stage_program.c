@@ -21,13 +21,29 @@ static int has_flag(const conceg_stage *stage, uint64_t flag) {
   return stage && (stage->flags & flag) != 0;
 }
 
+/* A sink with a parameter `page` takes it from -o too, when that names a page (.html) and no document:
+ * conceg report cube.cgx -o report.html. */
+static void name_page(struct cli *cli, const conceg_stage *stage) {
+  const size_t length = cli->output ? strlen(cli->output) : 0;
+  const conceg_param *param;
+  if (!has_flag(stage, CONCEG_STAGE_SINK) || length < 5 || strcmp(cli->output + length - 5, ".html") != 0)
+    return;
+  for (param = stage->params; param && param->name; param++)
+    if (!strcmp(param->name, "page")) {
+      words_add(&cli->sets, cli_keep(cli, "%s.page=%s", stage->kind, cli->output));
+      words_add(&cli->unquoted, cli->sets.word[cli->sets.count - 1]);
+      cli->output = NULL;
+      return;
+    }
+}
+
 /* The stage that the options name, before any input is read: it says whether there is an input at all. The
  * document's /recipe may still name another implementation. Returns 0 or an exit code. */
 static int expected_stage(struct job *job, const conceg_stage **out) {
   const char *impl = cli_impl(job->cli, job->kind, job->recipe, NULL);
   const int runs_program = exec_command(impl) != NULL;
   const conceg_status status = conceg_registry_find(job->registry, job->kind, runs_program ? "" : impl, out);
-  if (status == CONCEG_OK) cli_quote_params(job->cli, (*out)->params);
+  if (status == CONCEG_OK) name_page(job->cli, *out), cli_quote_params(job->cli, (*out)->params);
   /* With --allow-exec the document may name a program for a stage that this build lacks. */
   else if (!job->cli->allow_exec)
     return cli_fail_stage_missing(job->cli, status);

@@ -45,6 +45,8 @@ instead = {
     "render.samples": ("1", "the upper bound takes a minute"),
     "render.zoom_um": ("6", "the upper bound is wider than the box"),
     "render.size_px": ("64", "the upper bound takes a minute"),
+    "report.size_mb": ("0.05", "at the upper bound all that is there fits, as at the default"),
+    "report.rows": ("1", "any smaller number shows"),
     "fit.diffusivity_max": ("4", "the lower bound is below diffusivity_min"),
     "fit.radius_max_um": ("6.5", "the lower bound is below radius_min_um"),
     "fit.shell_width": ("0.7", "the lower bound joins nothing less, the upper one everything"),
@@ -86,6 +88,7 @@ same = {
     "fit.pictures": "a folder for pictures beside the document",
     "export.dir": "where the files go, not what is in them",
     "render.dir": "where the files go, not what is in them",
+    "report.page": "where the page goes, not what is in it",
 }
 # Texts and paths have no bounds.
 texts = {
@@ -127,6 +130,7 @@ texts = {
     "import.info": "{work}/other_info.txt",
     "render.cells": "0",
     "render.dir": "{work}/rendered",
+    "report.page": "{work}/reported/page.html",
     "render.zoom_at": "3,4,5",
 }
 # Options that the flip needs to be seen.
@@ -204,6 +208,7 @@ class Parameters:
         self.must("run", recipe, "--until", until, "--set", "mesh.h_um=0.6", "--set", "mesh.levels=1", "-q", "--checkpoint", work / "made", "-o", work / "mesh.cgx")
         (work / "cell.swc").write_text(cell)
         (work / "one.scheme").write_text("VERSION: STEJSKALTANNER\n1 0 0 0.5 0.003 0.001 0.004\n")
+        (work / "reported").mkdir()
         (work / "loose-trees.swc").write_text(cell + "16 3 50 0 0 0.4 -1\n17 3 55 0 0 0.4 16\n")
         (work / "pieces.swc").write_text(cell + "16 2 0 -5 0 0.2 1\n17 2 0 -30 0 0.2 16\n18 2 0 -40 0 0.2 -1\n19 2 0 -60 0 0.2 18\n")
         (work / "loose.swc").write_text(cell.replace("2 4 0 0 5 1 1", "2.0 4 0 0 5 1 1"))
@@ -221,6 +226,7 @@ class Parameters:
         (work / "signals.txt").write_text("1 0.8 0.4\n")
         (work / "bvals").write_text("0 1000 3000\n")
         (work / "bvecs").write_text("0 1 0\n0 0 1\n0 0 0\n")
+        self.must("analyse", work / "mesh.cgx", "--points", "1000", "-q", "-o", work / "tables.cgx")
         self.must("import", "signal", work / "signals.csv", "--pulse-duration-ms=5", "--pulse-separation-ms=20", "-q", "-o", work / "signals.cgx")
         for real, file in (("real", "cell.swc"), ("other", "loose-trees.swc")):
             self.must("characterise", work / file, "--entry", "L23_pyramidal", "-q", "-o", work / f"{real}.cgx")
@@ -229,7 +235,7 @@ class Parameters:
         made = work / "made"
         self.inputs = {
             "place": ["-p", recipe], "triangulate": [made / "01-place.cgx"], "grow": [made / "02-triangulate.cgx"], "relax": [made / "03-grow.cgx"],
-            "mesh": [made / "04-relax.cgx"], "analyse": [work / "mesh.cgx"], "simulate": [work / "mesh.cgx"], "export": [work / "mesh.cgx"], "render": [work / "mesh.cgx"],
+            "mesh": [made / "04-relax.cgx"], "analyse": [work / "mesh.cgx"], "simulate": [work / "mesh.cgx"], "export": [work / "mesh.cgx"], "render": [work / "mesh.cgx"], "report": [work / "tables.cgx"],
             "fit": [work / "signals.cgx"],
             "characterise": [work / "cell.swc"], "import": ["swc", work / "loose-trees.swc"],
         }
@@ -257,8 +263,11 @@ class Parameters:
         shutil.rmtree(target, ignore_errors=True)
         target.mkdir()
         if sink:
-            given = [w for w in map(str, words) if w.startswith("--dir=")]
-            done = self.run(stage, *words, *([] if given else [f"--dir={target}/files"]), "-q")
+            # The page of a report lies in a folder of its own, under one name.
+            option, place = ("--page=", "files/page.html") if stage == "report" else ("--dir=", "files")
+            given = [w for w in map(str, words) if w.startswith(option)]
+            (target / "files").mkdir()
+            done = self.run(stage, *words, *([] if given else [f"{option}{target}/{place}"]), "-q")
         else:
             done = self.run(stage, *words, "-q", "-o", target / "out.cgx")
         if done.returncode:
@@ -270,7 +279,8 @@ class Parameters:
             return hashlib.sha256((target / "bare.cgx").read_bytes()).hexdigest(), done
         folder = target / "files"
         if given:
-            folder = pathlib.Path(given[0][6:])
+            folder = pathlib.Path(given[0].split("=", 1)[1])
+            folder = folder.parent if stage == "report" else folder
         digest = hashlib.sha256()
         files = sorted(p for p in folder.rglob("*") if p.is_file())
         for path in files:

@@ -39,6 +39,9 @@ for stage in $stages; do
     export | render)
       output=$stage/files
       set -- conceg $stage mesh.cgx --dir "$output" ;;
+    report)
+      output=$stage/page.html
+      set -- conceg report mesh.cgx --page "$output" ;;
     *)
       check "the test knows how to run the stage $stage" false
       continue ;;

@@ -58,6 +58,8 @@ def stages(work, grown):
     mesh.export("ply", work / "files")
     mesh.export("cactus", work / "files")
     expect(len(list((work / "files/ply").glob("*.ply"))) == 4, "files of another program")
+    mesh.report(work / "report.html", size_mb=1)
+    expect("/meshes/vertex" in (work / "report.html").read_text(), "the page of a report")
     strands = conceg.import_files("cactus", [work / "files/cactus/strands.txt"])
     expect(len(strands["/cells/id"]) == len((work / "files/cactus/strands.csv").read_text().splitlines()) - 1, "strands come back")
     rows = {row["name"]: row for row in conceg.parameters("mesh")}

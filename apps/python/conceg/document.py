@@ -284,3 +284,9 @@ class Document:
         from .stages import run_sink
 
         run_sink("render", self, dir=os.fspath(folder), **options)
+
+    def report(self, page: Path, **options: typing.Any) -> None:
+        """Writes one HTML page: the cells in 3-D, every table and signal as a chart (`conceg report`); options as of run_stage."""
+        from .stages import run_sink
+
+        run_sink("report", self, page=os.fspath(page), **options)

@@ -199,7 +199,7 @@ def run_stage(kind: str, document: typing.Optional[Document] = None, *, recipe: 
 
 
 def run_sink(kind: str, document: Document, *, progress: ProgressOption = False, threads: typing.Optional[int] = None, settings: typing.Optional[typing.Mapping[str, object]] = None, **parameters: object) -> None:
-    """Runs a stage that writes files (export, render)."""
+    """Runs a stage that writes files (export, render, report)."""
     with tempfile.TemporaryDirectory(prefix="conceg-") as name:
         folder = pathlib.Path(name)
         _execute([kind, *_input(folder, document), *_options(folder, None, None, threads, settings, parameters)], progress)
