@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * Free room on disk. */
+#define _GNU_SOURCE
 #include "room.h"
 
 #include "outlook.h"
