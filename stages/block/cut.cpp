@@ -67,6 +67,29 @@ std::vector<std::size_t> groups_of(const Sections &sections, const std::vector<s
   return group;
 }
 
+// The last row of each kept section that the block needs: what follows when nothing that is kept hangs on its
+// end may go, for a section's shape follows from its beginning.
+std::vector<std::size_t> ends_of(const Tissue &tissue, std::size_t cell, const Sections &sections,
+                                 const std::vector<std::uint8_t> &kept, double shift, const Slab &slab) {
+  const std::uint64_t first = tissue.offset[cell];
+  std::vector<std::size_t> end(kept.size(), 0);
+  for (std::size_t row = 0; row < sections.of_row.size(); row++) {
+    const std::size_t s = sections.of_row[row];
+    const std::int64_t parent = tissue.parent[first + row];
+    const double radius = static_cast<double>(tissue.radius[first + row]);
+    Extent segment;
+    segment.add(tissue.position[first + row].z, radius);
+    if (parent >= 0) segment.add(tissue.position[first + static_cast<std::uint64_t>(parent)].z, radius);
+    if (near_slab(segment, shift, slab)) end[s] = row;
+  }
+  for (std::size_t s = 0; s < kept.size(); s++)
+    if (kept[s] && sections.parent[s] >= 0) { // the fork that it hangs on
+      const auto fork = static_cast<std::size_t>(sections.parent[s]);
+      end[sections.of_row[fork]] = std::max(end[sections.of_row[fork]], fork);
+    }
+  return end;
+}
+
 void cut_image(const Tissue &tissue, std::size_t cell, const Sections &sections, int lift, const Slab &slab,
                std::vector<Piece> &pieces) {
   const double shift = lift * slab.side, radius = static_cast<double>(tissue.soma_radius[cell]);
@@ -76,14 +99,15 @@ void cut_image(const Tissue &tissue, std::size_t cell, const Sections &sections,
   std::vector<std::uint8_t> kept(sections.extent.size());
   for (std::size_t s = 0; s < kept.size(); s++)
     kept[s] = near_slab(sections.extent[s], shift, slab);
-  const std::vector<std::size_t> group = groups_of(sections, kept, soma_kept);
+  const std::vector<std::size_t> group = groups_of(sections, kept, soma_kept),
+                                 end = ends_of(tissue, cell, sections, kept, shift, slab);
   std::map<std::size_t, Piece> made; // by the first section
   const std::size_t of_soma = kNone;
   if (soma_kept) made[of_soma] = {cell, lift, true, {}};
   for (std::size_t row = 0; row < sections.of_row.size(); row++) {
     const std::size_t s = sections.of_row[row];
-    if (!kept[s]) continue;
-    std::size_t root = group[s]; // the section that the piece hangs on
+    if (!kept[s] || row > end[s]) continue;
+    const std::size_t root = group[s]; // the section that the piece hangs on
     const bool on_soma = soma_kept && sections.parent[root] < 0;
     Piece &piece = made.insert({on_soma ? of_soma : root, {cell, lift, false, {}}}).first->second;
     if (piece.rows.empty() && !on_soma && sections.parent[root] >= 0)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which parts of which cells a block of the tissue needs: whole sections, joined where they are joined in the
+// Which parts of which cells a block of the tissue needs: sections from their beginnings, joined where they are joined in the
 // cell. Plain arrays in and out, lengths in um.
 #pragma once
 
@@ -37,7 +37,8 @@ struct Piece {
 };
 
 // A section belongs to the block when it, or the piece that joins it to its parent, comes as near as the margin,
-// surface included; then it is kept whole, so that its shape does not depend on where the block ends. Sections
+// surface included; then it is kept from its beginning to its last point near the block or its last kept daughter,
+// so that its shape does not depend on where the block ends. Sections
 // that meet in a kept soma or fork make one piece; a piece whose parent section is left out begins with the
 // point of the fork. Pieces of a cell are in the order of the images, then of their first rows; the one with
 // the soma comes first.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a block takes of a cell: whole sections, joined as in the cell; images through a periodic side; and the
+// What a block takes of a cell: sections from their beginnings, joined as in the cell; images through a periodic side; and the
 // stage as the host runs it, on a document.
 #include "../cut.hpp"
 
@@ -62,7 +62,7 @@ void whole_sections() {
   p = cut(t, {60, 70, 1, 0});
   CHECK_EQUAL(p.size(), 1);
   CHECK(!p[0].has_soma);
-  CHECK_EQUAL(p[0].rows.size(), 1 + 20 + 20);
+  CHECK_EQUAL(p[0].rows.size(), 1 + 16 + 16); // from 42 up to 72, whose segment begins within 1.5 um of the block
   CHECK_EQUAL(p[0].rows[0], 10); // the fork, the last point of the trunk
   CHECK((branches(t, p[0]) == std::set<std::uint32_t>{0, 1, 2}));
   // Below the soma: the lower root alone, and it is a root.
@@ -142,7 +142,7 @@ void as_a_stage() {
   CHECK_NEAR(soma[0], 21, 0);
   CHECK_NEAR(place.row(0)[2], 40, 0);
   const auto parent = view<std::int64_t>(doc, "/skeleton/parent");
-  CHECK(parent[0] == -1 && parent[1] == 0 && parent[21] == 0 && parent[22] == 21);
+  CHECK(parent[0] == -1 && parent[1] == 0 && parent[18] == 0 && parent[19] == 18);
   CHECK_EQUAL(conceg_doc_close(doc), CONCEG_OK);
   // The whole box: the cell as it was.
   doc = document(ctx, cell());
