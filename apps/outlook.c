@@ -56,18 +56,16 @@ int outlook_of(conceg_doc *doc, struct outlook *out) {
 
 static struct stage_cost cost_of_mesh(const struct outlook *outlook, const conceg_params *params,
                                       int in_part) {
-  const double h = conceg_params_f64(params, "h_um"),
-               step = conceg_params_f64(params, "volume_step_um") > 0
-                          ? conceg_params_f64(params, "volume_step_um")
-                          : 2 * h;
+  const double h = conceg_params_f64(params, "h_um"), step = conceg_params_f64(params, "volume_step_um") > 0
+                                                                 ? conceg_params_f64(params, "volume_step_um")
+                                                                 : 2 * h;
   /* As the stage itself reckons (stages/mesh/README.md), of which simplification leaves a third. */
   const double marched = (conceg_params_bool(params, "cluster") ? 3 : 9) * outlook->area_um2 / (h * h),
                kept = conceg_params_f64(params, "tolerance_um") > 0 ? 0.5 * marched : marched;
   struct stage_cost cost = {0, 0, 0, 0, 0};
   cost.seconds = 1.2e-6 * marched;
   cost.document = 33 * kept;
-  if (conceg_params_bool(params, "volumes"))
-    cost.document += 8 * outlook->volume_um3 / (step * step * step);
+  if (conceg_params_bool(params, "volumes")) cost.document += 8 * outlook->volume_um3 / (step * step * step);
   cost.temporary = 11 * marched + (in_part ? 0 : 18 * kept);
   cost.part = in_part ? 36 * kept : 0;
   cost.faces = kept;

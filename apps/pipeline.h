@@ -5,7 +5,8 @@
 
 #include "cli.h"
 
-/* The recipe's `stages`, else the default order, with `block` before mesh where it is asked for, cut to --from and
+/* The recipe's `stages`, else the default order, with `block` before mesh where it is asked for, cut to
+ * --from and
  * --until (NULL = no cut). 0 or an exit
  * code. */
 int pipeline_choose(struct cli *cli, const conceg_recipe *recipe, const char *from, const char *until,

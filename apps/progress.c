@@ -105,10 +105,11 @@ void progress_run(struct progress *progress, double stage_seconds, double later_
   progress->later_seconds = later_seconds;
 }
 
-/* Of the whole run; below 0 where it is not known. A stage that takes longer than its weight says has at least
- * its own step to end. */
+/* Of the whole run; below 0 where it is not known. A stage that takes longer than its weight says has at
+ * least its own step to end. */
 static double run_left(const struct progress *progress, uint64_t done, uint64_t total, double now) {
-  const double elapsed = now - progress->began, of_stage = progress->stage_seconds - (now - progress->stage_began);
+  const double elapsed = now - progress->began,
+               of_stage = progress->stage_seconds - (now - progress->stage_began);
   const double of_step = done && total > done ? elapsed / (double)done * (double)(total - done) : 0;
   if (!(progress->stage_seconds + progress->later_seconds > 0)) return -1;
   return progress->later_seconds + (of_stage > of_step ? of_stage : of_step);

@@ -11,8 +11,8 @@ struct room_need {
   double bytes;
 };
 
-/* EXIT_OK, or EXIT_IO after a line that names the folder, what is needed there by whom, and the remedies. Needs
- * on one file system add up. A folder that cannot be asked is passed over: writing there will tell. */
+/* EXIT_OK, or EXIT_IO after a line that names the folder, what is needed there by whom, and the remedies.
+ * Needs on one file system add up. A folder that cannot be asked is passed over: writing there will tell. */
 int room_check(struct cli *cli, const struct room_need *needs, uint32_t count, const char *remedy);
 
 #endif

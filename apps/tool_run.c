@@ -207,7 +207,8 @@ static int keeps_group(const struct run *run, const char *group) {
   return 0;
 }
 
-/* The costs of the stages from `next` on; those of programs and of stages that cannot be asked are unknown. */
+/* The costs of the stages from `next` on; those of programs and of stages that cannot be asked are unknown.
+ */
 static int foretell(struct run *run, uint32_t next) {
   struct outlook outlook;
   uint32_t i;
@@ -219,7 +220,8 @@ static int foretell(struct run *run, uint32_t next) {
     const conceg_stage *stage = NULL;
     conceg_params *params = NULL;
     if (!exec_command(impl) && conceg_registry_find(run->registry, kind, impl, &stage) == CONCEG_OK &&
-        conceg_params_new(run->cli.ctx, stage, NULL, run->recipe, run->cli.sets.word, NULL, &params) != CONCEG_OK)
+        conceg_params_new(run->cli.ctx, stage, NULL, run->recipe, run->cli.sets.word, NULL, &params) !=
+            CONCEG_OK)
       params = NULL;
     run->cost[i] =
         outlook_cost(&outlook, kind, params, run->checkpoint != NULL && stage && keeps_parts(stage));
@@ -254,9 +256,10 @@ static int check_space(struct run *run, uint32_t next) {
     needs[count++] = (struct room_need){run->checkpoint, "checkpoints", checkpoints + parts};
   if (run->cli.output && strcmp(run->cli.output, "-") != 0)
     needs[count++] = (struct room_need){folder_of(run, run->cli.output), "the document", document};
-  return room_check(&run->cli, needs, count,
-                    "free some, set TMPDIR to another disk, raise mesh.h_um, take a smaller box, or pass over "
-                    "this estimate with --ignore-space");
+  return room_check(
+      &run->cli, needs, count,
+      "free some, set TMPDIR to another disk, raise mesh.h_um, take a smaller box, or pass over "
+      "this estimate with --ignore-space");
 }
 
 /* Tells the progress what this stage and the later ones take, by the speed of those that are done. */
@@ -269,7 +272,8 @@ static void tell_outlook(struct run *run, uint32_t index) {
   for (i = index + 1; i < run->kinds.count; i++)
     later += speed * run->cost[i].seconds;
   progress_run(&run->cli.progress, speed * run->cost[index].seconds, later);
-  if (run->cli.quiet || run->cli.progress.mode != PROGRESS_AUTO || later + run->cost[index].seconds < 60) return;
+  if (run->cli.quiet || run->cli.progress.mode != PROGRESS_AUTO || later + run->cost[index].seconds < 60)
+    return;
   outlook_time_text(left, sizeof left, later + speed * run->cost[index].seconds);
   progress_clear(&run->cli.progress);
   fprintf(stderr, "%s: stage %u of %u, %s: about %s left of the run (by the weights of the stages)\n",
@@ -400,7 +404,8 @@ int tool_run(int argc, char **argv) {
   const struct cli_option options[] = {
       {"from", 0, "STAGE", "begin with this stage, on the document INPUT.cgx", NULL, &run.from, NULL},
       {"until", 0, "STAGE", "end after this stage", NULL, &run.until, NULL},
-      {"block", 0, "LO:HI", "mesh and go on with the part from LO to HI um along z alone", NULL, &run.block, NULL},
+      {"block", 0, "LO:HI", "mesh and go on with the part from LO to HI um along z alone", NULL, &run.block,
+       NULL},
       {"checkpoint", 0, "DIR", "keep the document after each stage, and unfinished stages, in DIR", NULL,
        &run.checkpoint, NULL},
       {"resume", 0, NULL, "go on after the newest checkpoint of the same recipe and build", &run.resume, NULL,

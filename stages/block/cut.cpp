@@ -39,7 +39,8 @@ Sections sections_of(const Tissue &tissue, std::size_t cell) {
                               static_cast<double>(tissue.radius[first + static_cast<std::uint64_t>(parent)]));
     }
     out.of_row[row] = at->second;
-    out.extent[at->second].add(tissue.position[first + row].z, static_cast<double>(tissue.radius[first + row]));
+    out.extent[at->second].add(tissue.position[first + row].z,
+                               static_cast<double>(tissue.radius[first + row]));
   }
   return out;
 }
@@ -52,7 +53,7 @@ bool near_slab(const Extent &extent, double shift, const Slab &slab) {
 std::vector<std::size_t> groups_of(const Sections &sections, const std::vector<std::uint8_t> &kept,
                                    bool soma_kept) {
   std::vector<std::size_t> group(kept.size(), kNone);
-  std::map<std::int64_t, std::size_t> at_fork; // of sections whose parent section is left out
+  std::map<std::int64_t, std::size_t> at_fork;    // of sections whose parent section is left out
   for (std::size_t s = 0; s < kept.size(); s++) { // parents come first
     if (!kept[s]) continue;
     const std::int64_t parent = sections.parent[s];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which parts of which cells a block of the tissue needs: sections from their beginnings, joined where they are joined in the
-// cell. Plain arrays in and out, lengths in um.
+// Which parts of which cells a block of the tissue needs: sections from their beginnings, joined where they
+// are joined in the cell. Plain arrays in and out, lengths in um.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -36,12 +36,11 @@ struct Piece {
   std::vector<std::uint32_t> rows; // within the cell, ascending: parents come before their children
 };
 
-// A section belongs to the block when it, or the piece that joins it to its parent, comes as near as the margin,
-// surface included; then it is kept from its beginning to its last point near the block or its last kept daughter,
-// so that its shape does not depend on where the block ends. Sections
-// that meet in a kept soma or fork make one piece; a piece whose parent section is left out begins with the
-// point of the fork. Pieces of a cell are in the order of the images, then of their first rows; the one with
-// the soma comes first.
+// A section belongs to the block when it, or the piece that joins it to its parent, comes as near as the
+// margin, surface included; then it is kept from its beginning to its last point near the block or its last
+// kept daughter, so that its shape does not depend on where the block ends. Sections that meet in a kept soma
+// or fork make one piece; a piece whose parent section is left out begins with the point of the fork. Pieces
+// of a cell are in the order of the images, then of their first rows; the one with the soma comes first.
 std::vector<Piece> cut(const Tissue &tissue, const Slab &slab);
 
 } // namespace conceg::block

@@ -77,7 +77,8 @@ Block block_of(conceg_doc *doc, const conceg_params *params) {
                high = std::min(hi, conceg_snap(conceg_params_f64(params, "hi_um")));
   if (!(high - low >= 1.0))
     fail(CONCEG_E_RANGE,
-         "block: expected lo_um and hi_um that leave at least 1 um of the box from %g to %g um along z, got %g "
+         "block: expected lo_um and hi_um that leave at least 1 um of the box from %g to %g um along z, got "
+         "%g "
          "to %g",
          lo, hi, conceg_params_f64(params, "lo_um"), conceg_params_f64(params, "hi_um"));
   const bool whole = low == lo && high == hi;
@@ -121,7 +122,8 @@ Rows rows_of(conceg_doc *doc, const Tissue &tissue, std::vector<Piece> pieces, c
   // The piece with the cell's own soma at its own place keeps the id; the others follow in their order.
   for (std::size_t i = 0; i < pieces.size(); i++) {
     const std::size_t cell = pieces[i].cell;
-    const bool own = !taken[cell] && (pieces[i].has_soma || !(tissue.soma_radius[cell] > 0.0f)) && pieces[i].lift == 0 &&
+    const bool own = !taken[cell] && (pieces[i].has_soma || !(tissue.soma_radius[cell] > 0.0f)) &&
+                     pieces[i].lift == 0 &&
                      (pieces[i].rows.empty() || tissue.parent[tissue.offset[cell] + pieces[i].rows[0]] == -1);
     taken[cell] |= own;
     made[i] = id[cell] + (own ? 0 : kPieceStep * ++count[cell]);

@@ -116,8 +116,7 @@ void check_room(conceg_ctx *ctx, const Scene &scene, bool light, bool simplified
                 const std::string &side_file) {
   const double unit = scene.grid.unit, faces = (light ? 3 : 9) * primitive_area(scene),
                kept = simplified ? kSimplified * faces : faces;
-  const double document =
-      kDocumentBytes * kept > double(conceg_ctx_memory(ctx)) ? kDocumentBytes * kept : 0;
+  const double document = kDocumentBytes * kept > double(conceg_ctx_memory(ctx)) ? kDocumentBytes * kept : 0;
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
                  "mesh: %.0f um2 of membrane on a grid of %.3f um: at most about %.2g faces before "
                  "simplification, %.1f GB of temporary files",
@@ -127,8 +126,8 @@ void check_room(conceg_ctx *ctx, const Scene &scene, bool light, bool simplified
   need_free_space(conceg_ctx_tmpdir(ctx), kChunkBytes * faces + document + own, "unfinished meshes");
   if (side_file.empty()) return;
   const std::size_t slash = side_file.rfind('/');
-  need_free_space(slash == std::string::npos ? "." : side_file.substr(0, slash + 1),
-                  2 * kSurfaceBytes * kept, "finished surfaces"); // once more where they are moved apart
+  need_free_space(slash == std::string::npos ? "." : side_file.substr(0, slash + 1), 2 * kSurfaceBytes * kept,
+                  "finished surfaces"); // once more where they are moved apart
 }
 
 void warn_thin(conceg_ctx *ctx, const Scene &scene) {

@@ -37,8 +37,8 @@ constexpr double kMostCable = 1.0; // um per um3, of all types together: more fi
 double default_length(const conceg_box &box);
 
 // The axons of one type, ids first_id, first_id + id_step, ... Each is a piece of a stationary process of
-// straight lines, and begins outside all `somas`: periodic sides let it through, open ones cut it. The last one is shortened so that the
-// lengths add up to density x volume. `name` stands in errors.
+// straight lines, and begins outside all `somas`: periodic sides let it through, open ones cut it. The last
+// one is shortened so that the lengths add up to density x volume. `name` stands in errors.
 std::vector<Axon> draw_axons(const conceg_box &box, const AxonLaw &law, const Somas &somas,
                              std::uint64_t first_id, std::uint64_t id_step, std::uint64_t seed,
                              const char *name, const Progress &progress);

@@ -102,9 +102,8 @@ void append_cell(const Dictionary &dictionary, const Pool &pool, const CellDraw 
       bars.neurite.push_back(neurite);
       bars.start.push_back(from.birth[bar] * length);
       bars.end.push_back(from.death[bar] * length);
-      bars.attractor.push_back(cell.soma +
-                               rotation * from.tip_direction[bar] *
-                                   shortened(from.tip_distance[bar], soma_radius, length));
+      bars.attractor.push_back(cell.soma + rotation * from.tip_direction[bar] *
+                                               shortened(from.tip_distance[bar], soma_radius, length));
       const bool drawn = !root && options.drawn_angles && !pool.angles.empty();
       bars.angle.push_back(drawn ? pool.angles[conceg_rng_below(&rng, pool.angles.size())] : from.angle[bar]);
       bars.radius.push_back(from.radius[bar] * cell.radius_scale);

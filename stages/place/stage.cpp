@@ -380,8 +380,8 @@ void place_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
   const std::vector<Pool> pools =
       pools_for(ctx, recipe, conceg_params_i64(params, "validation_fold"), entry_of_type, dictionary);
   const std::vector<Demand> demands = count_cells(recipe);
-  std::vector<Cell> cells = place_all(ctx, recipe, demands, conceg_params_f64(params, "soma_gap_um"),
-                                      dictionary, pools, options);
+  std::vector<Cell> cells =
+      place_all(ctx, recipe, demands, conceg_params_f64(params, "soma_gap_um"), dictionary, pools, options);
   // Around lost cells too: the axons of a pair are the same.
   const std::vector<std::vector<Axon>> axons = draw_all_axons(ctx, recipe, cells, options.seed);
   lose_cells(ctx, recipe, "neurons", recipe.perturb.neurons, is_neuron, options.seed, cells);

@@ -119,19 +119,18 @@ void log_parted(conceg_ctx *ctx, const Parted &p, double gap) {
                  count(p.before), gap, p.deepest_before, p.largest_move, count(p.after), p.deepest_after);
 }
 
-// Widens `radius` until the cells fill `asked` of the box behind their contact planes, or where it may narrows
-// it, and says how far it came.
+// Widens `radius` until the cells fill `asked` of the box behind their contact planes, or where it may
+// narrows it, and says how far it came.
 void fill_box(conceg_ctx *ctx, const Bodies &bodies, const conceg_box &box, const std::vector<double> &target,
-              const Classes &classes, double gap, double asked, bool shrinks,
-              std::vector<double> &radius, Workers &workers) {
+              const Classes &classes, double gap, double asked, bool shrinks, std::vector<double> &radius,
+              Workers &workers) {
   std::vector<double> most = inflated(bodies, radius, 1e9);
   const Sample sample = make_sample(bodies, most, box, sample_points, gap, workers);
   const double before = fractions_of(bodies, radius, side(box), sample, gap, workers).planes;
-  const Inflation done =
-      shrinks && before > asked
-          ? deflate_to(bodies, radius, side(box), sample, gap, asked, workers)
-          : inflate_to(bodies, radius, target, classes.of_cell, classes.name.size(), side(box), sample, gap,
-                       asked, Tolerance(), workers);
+  const Inflation done = shrinks && before > asked
+                             ? deflate_to(bodies, radius, side(box), sample, gap, asked, workers)
+                             : inflate_to(bodies, radius, target, classes.of_cell, classes.name.size(),
+                                          side(box), sample, gap, asked, Tolerance(), workers);
   radius = inflated(bodies, radius, done.c);
   conceg_ctx_log(
       ctx, CONCEG_LOG_INFO,
@@ -145,10 +144,10 @@ void fill_box(conceg_ctx *ctx, const Bodies &bodies, const conceg_box &box, cons
           ? "the mean radius of class " + name + " may not be more than 15 % above its target"
           : "the coefficient of variation of the radii of class " + name +
                 " may not be more than 10 % off its target";
-  conceg_ctx_log(
-      ctx, CONCEG_LOG_WARNING,
-      "relax: icvf: asked %.4f, reached %.4f: %s; ask for %s in the recipe", asked, done.fraction, why.c_str(),
-      done.c < 0 ? "a lower perturb.ecs, or for less cable" : "more cable or thicker processes");
+  conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
+                 "relax: icvf: asked %.4f, reached %.4f: %s; ask for %s in the recipe", asked, done.fraction,
+                 why.c_str(),
+                 done.c < 0 ? "a lower perturb.ecs, or for less cable" : "more cable or thicker processes");
 }
 
 // Of the extracellular volume, from the recipe's `perturb`; 1 = unperturbed.
@@ -236,8 +235,7 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
   if (asked < 0)
     fail(CONCEG_E_RANGE, "perturb.ecs: expected an extracellular space of at most the box, got %.3f of it",
          1 - asked);
-  if (asked > 0)
-    fill_box(ctx, bodies, box, target, classes, strength.gap, asked, ecs != 1, radius, workers);
+  if (asked > 0) fill_box(ctx, bodies, box, target, classes, strength.gap, asked, ecs != 1, radius, workers);
 
   phases.end("fill");
   std::vector<std::uint8_t> status(bodies.points);

@@ -139,8 +139,7 @@ static void check_grammar(conceg_ctx *ctx) {
          "r.yaml:2: unknown key perturb.neuron; did you mean neurons?");
   refuse(ctx, "conceg: 1\nperturb:\n  ecs: 2\n  glia: 20\n", CONCEG_E_PARAM,
          "r.yaml:4: perturb.glia: expected a factor from 0 to 10, got 20");
-  refuse(ctx, "conceg: 1\nperturb: 0.5\n", CONCEG_E_PARAM,
-         "r.yaml:2: perturb: expected a mapping, got 0.5");
+  refuse(ctx, "conceg: 1\nperturb: 0.5\n", CONCEG_E_PARAM, "r.yaml:2: perturb: expected a mapping, got 0.5");
   refuse(ctx, "conceg: 1\ngrow: {lambda: [1]}\n", CONCEG_E_PARAM,
          "r.yaml:2: grow.lambda: expected one value, got [1]");
 }

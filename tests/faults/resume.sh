@@ -64,44 +64,4 @@ mv again other
 check "a run from the beginning" conceg run dense.yaml -q --set mesh.h_um=0.2 --until mesh --checkpoint other -o fresh.cgx
 # A file that the recipe names is kept as it is.
 check "a file of one's own" conceg run dense.yaml -q --set mesh.h_um=0.3 --set mesh.checkpoint=own.part --until mesh --checkpoint third -o own.cgx
-# A small column, killed once in each stage and twice inside of mesh, resumed each time.
-cat > column.yaml <<'END'
-conceg: 1
-title: A small column for a run that is killed
-seed: 3
-domain: {size_um: [16, 16, 48], periodic: [true, true, false], pia: [0, 0, 1]}
-dictionary: default
-layers:
-  - {name: low, z_um: [0, 24], density_per_um3: 2e-4}
-  - {name: high, z_um: [24, 48], density_per_um3: 2e-4}
-types:
-  - {name: low astrocyte, class: astrocyte, entry: astrocyte, layer: low, fraction: 1, radius_scale: 1.6}
-  - {name: high astrocyte, class: astrocyte, entry: astrocyte, layer: high, fraction: 1, radius_scale: 1.6}
-  - {name: microglia, class: microglia, entry: microglia, density_per_um3: 8e-5}
-  - {name: passing axon, class: axon, cable_density_per_um2: 0.4, radius_um: {mean: 0.42, sd: 0.11, minimum: 0.28}}
-stages: [place, triangulate, grow, relax, mesh, analyse]
-mesh: {h_um: 0.2}
-END
-conceg run column.yaml -q -o column.cgx || exit 1
-kills=0
-for part in 01-place.cgx 02-triangulate.cgx 03-grow.cgx 04-relax.cgx 05-mesh.part 05-mesh.part 05-mesh.cgx; do
-  bytes=1000
-  [ $part != 05-mesh.part ] || bytes=$((200000 + kills * 400000))
-  conceg run column.yaml -q --checkpoint column --resume -o resumed-column.cgx &
-  child=$!
-  while kill -0 "$child" 2>/dev/null; do
-    size=$(stat -c %s "column/$part" 2>/dev/null || echo 0)
-    if [ "$size" -gt $bytes ]; then
-      kill -KILL "$child" 2>/dev/null && kills=$((kills + 1))
-      break
-    fi
-    sleep 0.005
-  done
-  wait "$child" 2>/dev/null || true
-done
-echo "small column: killed $kills times"
-check "killed in at least five places" test $kills -ge 5
-rm -f resumed-column.cgx
-check "the column goes on" conceg run column.yaml -q --checkpoint column --resume -o resumed-column.cgx
-check "the column has the bytes of a run that nobody killed" cmp resumed-column.cgx column.cgx
 done_checking

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a block takes of a cell: sections from their beginnings, joined as in the cell; images through a periodic side; and the
-// stage as the host runs it, on a document.
+// What a block takes of a cell: sections from their beginnings, joined as in the cell; images through a
+// periodic side; and the stage as the host runs it, on a document.
 #include "../cut.hpp"
 
 #include "check.h"
@@ -19,8 +19,8 @@ extern "C" const conceg_stage conceg_stage_block;
 
 namespace {
 
-// One cell: soma of 5 um at z = 10; a trunk up to a fork at 40, and from there two daughters up to 80; a second
-// root down to -10. Branches 0 (trunk), 1, 2 (daughters), 3 (down). A point every 2 um.
+// One cell: soma of 5 um at z = 10; a trunk up to a fork at 40, and from there two daughters up to 80; a
+// second root down to -10. Branches 0 (trunk), 1, 2 (daughters), 3 (down). A point every 2 um.
 Tissue cell() {
   Tissue t;
   t.soma = {{1, 2, 10}};
@@ -62,7 +62,8 @@ void whole_sections() {
   p = cut(t, {60, 70, 1, 0});
   CHECK_EQUAL(p.size(), 1);
   CHECK(!p[0].has_soma);
-  CHECK_EQUAL(p[0].rows.size(), 1 + 16 + 16); // from 42 up to 72, whose segment begins within 1.5 um of the block
+  CHECK_EQUAL(p[0].rows.size(),
+              1 + 16 + 16);      // from 42 up to 72, whose segment begins within 1.5 um of the block
   CHECK_EQUAL(p[0].rows[0], 10); // the fork, the last point of the trunk
   CHECK((branches(t, p[0]) == std::set<std::uint32_t>{0, 1, 2}));
   // Below the soma: the lower root alone, and it is a root.
@@ -89,8 +90,8 @@ void whole_sections() {
 void images() {
   const Tissue t = cell();
   const std::vector<Piece> p = cut(t, {44, 48, 0, 50});
-  // Itself: the daughters; the image above: its lower root at 40 to 55 and, as the soma reaches down to 55, not
-  // the soma.
+  // Itself: the daughters; the image above: its lower root at 40 to 55 and, as the soma reaches down to 55,
+  // not the soma.
   CHECK_EQUAL(p.size(), 2);
   CHECK(p[0].lift == 0 && !p[0].has_soma && branches(t, p[0]).count(1));
   CHECK(p[1].lift == 1 && !p[1].has_soma && (branches(t, p[1]) == std::set<std::uint32_t>{3}));
@@ -121,7 +122,8 @@ conceg_doc *document(conceg_ctx *ctx, const Tissue &t) {
 conceg_status run(conceg_ctx *ctx, conceg_doc *doc, std::vector<const char *> sets) {
   conceg_params *params = nullptr;
   sets.push_back(nullptr);
-  conceg_status status = conceg_params_new(ctx, &conceg_stage_block, doc, nullptr, sets.data(), nullptr, &params);
+  conceg_status status =
+      conceg_params_new(ctx, &conceg_stage_block, doc, nullptr, sets.data(), nullptr, &params);
   if (status == CONCEG_OK) status = conceg_stage_run(ctx, &conceg_stage_block, doc, params);
   conceg_params_free(params);
   return status;
@@ -152,7 +154,8 @@ void as_a_stage() {
   CHECK_EQUAL(conceg_doc_close(doc), CONCEG_OK);
   doc = document(ctx, cell());
   CHECK_EQUAL(run(ctx, doc, {"block.lo_um=50", "block.hi_um=40"}), CONCEG_E_RANGE);
-  CHECK(std::string(conceg_ctx_error(ctx)).find("from -20 to 100 um along z, got 50 to 40") != std::string::npos);
+  CHECK(std::string(conceg_ctx_error(ctx)).find("from -20 to 100 um along z, got 50 to 40") !=
+        std::string::npos);
   CHECK_EQUAL(conceg_doc_close(doc), CONCEG_OK);
   doc = document(ctx, cell());
   CHECK_EQUAL(run(ctx, doc, {"block.lo_um=90"}), CONCEG_E_RANGE);

@@ -13,9 +13,9 @@ namespace {
 
 struct Drawn { // of one cell
   std::uint32_t type, donor;
-  std::vector<double> place;                        // soma, rotation, radius
-  std::vector<std::vector<double>> bars;            // start, end, angle, radius, taper
-  std::vector<std::array<double, 3>> to_attractor;  // from the soma
+  std::vector<double> place;                       // soma, rotation, radius
+  std::vector<std::vector<double>> bars;           // start, end, angle, radius, taper
+  std::vector<std::array<double, 3>> to_attractor; // from the soma
   std::vector<std::uint8_t> neurite;
   bool operator==(const Drawn &o) const {
     return type == o.type && donor == o.donor && place == o.place && bars == o.bars &&
@@ -27,7 +27,8 @@ using Cells = std::map<std::uint64_t, Drawn>; // by id
 
 Cells cells_of(conceg_doc *doc) {
   Cells out;
-  const auto id = view<std::uint64_t>(doc, "/cells/id"), offset = view<std::uint64_t>(doc, "/bars/cell_offset");
+  const auto id = view<std::uint64_t>(doc, "/cells/id"),
+             offset = view<std::uint64_t>(doc, "/bars/cell_offset");
   const auto type = view<std::uint32_t>(doc, "/cells/type"), donor = view<std::uint32_t>(doc, "/cells/donor");
   const auto soma = view<double>(doc, "/cells/soma", 3), rotation = view<double>(doc, "/cells/rotation", 4),
              attractor = view<double>(doc, "/bars/attractor", 3);
@@ -47,8 +48,7 @@ Cells cells_of(conceg_doc *doc) {
         row.push_back(value[b]);
       cell.bars.push_back(row);
       cell.neurite.push_back(neurite[b]);
-      cell.to_attractor.push_back({attractor.row(b)[0] - soma.row(i)[0],
-                                   attractor.row(b)[1] - soma.row(i)[1],
+      cell.to_attractor.push_back({attractor.row(b)[0] - soma.row(i)[0], attractor.row(b)[1] - soma.row(i)[1],
                                    attractor.row(b)[2] - soma.row(i)[2]});
     }
     out[id[i]] = cell;
@@ -141,7 +141,8 @@ void test_glia(const Cells &plain) {
 }
 
 void test_dendrites(const Cells &plain) {
-  const Cells shorter = perturbed({"perturb.dendrites=0.6", "place.axons=true"}), same = perturbed({"place.axons=true"});
+  const Cells shorter = perturbed({"perturb.dendrites=0.6", "place.axons=true"}),
+              same = perturbed({"place.axons=true"});
   CHECK_EQUAL(shorter.size(), plain.size());
   std::size_t bars = 0, own_axons = 0;
   for (const auto &[id, cell] : same) {
@@ -160,7 +161,8 @@ void test_dendrites(const Cells &plain) {
       CHECK_NEAR(now.bars[b][1], 0.6 * cell.bars[b][1], 1e-9);
       CHECK(now.bars[b][2] == cell.bars[b][2] && now.bars[b][3] == cell.bars[b][3]); // angle, mean radius
       // The radius at the end of the bar is what it was there.
-      CHECK_NEAR(now.bars[b][4] * (now.bars[b][1] - now.bars[b][0]), cell.bars[b][4] * (cell.bars[b][1] - cell.bars[b][0]), 1e-9);
+      CHECK_NEAR(now.bars[b][4] * (now.bars[b][1] - now.bars[b][0]),
+                 cell.bars[b][4] * (cell.bars[b][1] - cell.bars[b][0]), 1e-9);
       // The attractor lies in the same direction, its way from the soma's surface shortened.
       double before = 0, after = 0, dot = 0;
       for (int axis = 0; axis < 3; axis++) {
@@ -182,7 +184,8 @@ void test_staying() {
   std::vector<std::uint64_t> ids;
   for (std::uint64_t i = 0; i < 1000; i++)
     ids.push_back(5 * i + 1);
-  const auto most = conceg::place::staying(ids, 0.8, 7, "test"), few = conceg::place::staying(ids, 0.25, 7, "test");
+  const auto most = conceg::place::staying(ids, 0.8, 7, "test"),
+             few = conceg::place::staying(ids, 0.25, 7, "test");
   CHECK_EQUAL(std::count(most.begin(), most.end(), 1), 800);
   CHECK_EQUAL(std::count(few.begin(), few.end(), 1), 250);
   std::size_t early = 0;

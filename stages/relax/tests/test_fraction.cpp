@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Volume fractions against formulas, inflation and deflation to a fraction that is known, and the ways in which
-// they stop.
+// Volume fractions against formulas, inflation and deflation to a fraction that is known, and the ways in
+// which they stop.
 #include "../inflate.hpp"
 #include "check.h"
 #include "scene.hpp"
