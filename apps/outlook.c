@@ -82,7 +82,7 @@ static struct stage_cost cost_of(const struct outlook *outlook, const char *kind
   } else if (!strcmp(kind, "grow")) {
     cost.seconds = 5e-5 * outlook->cable_um, cost.document = 75 * outlook->cable_um;
   } else if (!strcmp(kind, "relax")) {
-    cost.seconds = 1e-4 * outlook->cable_um * (1 + 0.1 * conceg_params_f64(params, "rounds"));
+    cost.seconds = 1.2e-4 * outlook->cable_um * (1 + 0.1 * conceg_params_f64(params, "rounds"));
     cost.document = 90 * outlook->cable_um;
   } else if (!strcmp(kind, "simulate")) {
     const double walkers = conceg_params_f64(params, "walkers"), /* a whole number: its value as f64 too */
