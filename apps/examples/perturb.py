@@ -21,7 +21,7 @@ import h5py
 import numpy as np
 
 recipes = pathlib.Path(__file__).resolve().parents[1] / "recipes"
-levels = ["none=1", "neurons=0.8", "neurons=0.6", "neurons=0.4", "dendrites=0.8", "dendrites=0.6", "dendrites=0.4", "glia=1.33", "glia=2", "glia=3", "ecs=0.9", "ecs=1.1", "ecs=1.2"]
+levels = ["none=1", "neurons=0.8", "neurons=0.6", "neurons=0.4", "dendrites=0.8", "dendrites=0.6", "dendrites=0.4", "glia=2", "glia=3", "ecs=0.9", "ecs=1.1", "ecs=1.2"]
 shells = [1, 3, 5, 10]
 geometry = {"icvf": "cells' share of the box", "soma_share": "somas' share of the cells"}
 fitted = {"f_soma": "f_soma", "f_neurite": "f_neurite", "f_ec": "f_extracellular", "R_soma_um": "radius_um"}
@@ -43,7 +43,7 @@ def make(level, asked):
     folder.mkdir(parents=True, exist_ok=True)
     factors = [] if name == "none" else ["--set", f"perturb.{name}={factor}"]
     if not block.is_file():
-        conceg(asked.conceg, "run", asked.recipe, "--until", "mesh", *factors, *asked.set, "-q", "-o", block)
+        conceg(asked.conceg, "run", asked.recipe, "--until", "mesh", *factors, *asked.set, "--progress=none", "-o", block)
     if not simulated.is_file():
         conceg(asked.conceg, "simulate", block, "--walkers", asked.walkers, "--csv", folder, "-q", "-o", simulated)
     conceg(asked.conceg, "fit", simulated, "--variants=true", "-q", "--csv", folder, "-o", folder / "fitted.cgx")
@@ -128,7 +128,7 @@ def draw(rows, path):
     import matplotlib
     matplotlib.use("svg")
     import matplotlib.pyplot as plt
-    plt.rcParams.update({"svg.hashsalt": "conceg", "font.size": 8})
+    plt.rcParams.update({"svg.hashsalt": "conceg", "svg.fonttype": "none", "font.size": 8})
     panels = [("icvf", "cells' share of the box"), ("soma_share", "somas' share of the cells")] + [(f"S(b={shell})", f"S/S0 at b = {shell} ms/um2") for shell in shells]
     panels += [("f_soma", "SANDI f_soma"), ("f_neurite", "SANDI f_neurite"), ("f_ec", "SANDI f_ec"), ("R_soma_um", "SANDI R_soma, um")]
     figure, axes = plt.subplots(2, 5, figsize=(13, 5.2), layout="constrained")
