@@ -29,8 +29,19 @@ static int fail_absent(struct cli *cli, const char *option, const char *kind, co
                   kind, list);
 }
 
+/* Puts `block` before the first mesh, unless the recipe has it somewhere. */
+static int insert_block(struct cli *cli, struct words *kinds) {
+  const uint32_t at = find_kind(kinds, "mesh");
+  if (find_kind(kinds, "block") < kinds->count) return EXIT_OK;
+  if (at == kinds->count) return fail_absent(cli, "--block", "mesh", kinds);
+  words_add(kinds, "block");
+  memmove(kinds->word + at + 1, kinds->word + at, (kinds->count - 1 - at) * sizeof *kinds->word);
+  kinds->word[at] = "block";
+  return EXIT_OK;
+}
+
 int pipeline_choose(struct cli *cli, const conceg_recipe *recipe, const char *from, const char *until,
-                    struct words *kinds) {
+                    int with_block, struct words *kinds) {
   static const char *const standard[] = {"place", "triangulate", "grow",    "relax",
                                          "mesh",  "simulate",    "analyse", NULL};
   const conceg_node *own = conceg_node_get(conceg_recipe_root(recipe), "stages");
@@ -43,6 +54,7 @@ int pipeline_choose(struct cli *cli, const conceg_recipe *recipe, const char *fr
   for (i = 0; !own && standard[i]; i++)
     if (simulates || strcmp(standard[i], "simulate")) words_add(kinds, standard[i]);
   if (!kinds->count) return cli_fail(cli, EXIT_USAGE, "the recipe's list of stages is empty");
+  if (with_block && insert_block(cli, kinds) != EXIT_OK) return EXIT_USAGE;
   if (from) {
     first = find_kind(kinds, from);
     if (first == kinds->count) return fail_absent(cli, "--from", from, kinds);

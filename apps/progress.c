@@ -4,6 +4,7 @@
 #include "progress.h"
 
 #include "exitcode.h"
+#include "outlook.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -98,6 +99,30 @@ static void format_rate(char *out, size_t size, double rate) {
     snprintf(out, size, "%.1f/s", rate);
 }
 
+void progress_run(struct progress *progress, double stage_seconds, double later_seconds) {
+  progress->stage_began = seconds_now();
+  progress->stage_seconds = stage_seconds;
+  progress->later_seconds = later_seconds;
+}
+
+/* Of the whole run; below 0 where it is not known. A stage that takes longer than its weight says has at
+ * least its own step to end. */
+static double run_left(const struct progress *progress, uint64_t done, uint64_t total, double now) {
+  const double elapsed = now - progress->began,
+               of_stage = progress->stage_seconds - (now - progress->stage_began);
+  const double of_step = done && total > done ? elapsed / (double)done * (double)(total - done) : 0;
+  if (!(progress->stage_seconds + progress->later_seconds > 0)) return -1;
+  return progress->later_seconds + (of_stage > of_step ? of_stage : of_step);
+}
+
+static void print_run_left(const struct progress *progress, uint64_t done, uint64_t total, double now) {
+  const double left = run_left(progress, done, total, now);
+  char text[32];
+  if (left < 0) return;
+  outlook_time_text(text, sizeof text, left);
+  fprintf(stderr, "; about %s left of the run", text);
+}
+
 static void draw_bar(struct progress *progress, uint64_t done, uint64_t total, double now) {
   const double elapsed = now - progress->began, rate = elapsed > 0 ? (double)done / elapsed : 0;
   char speed[32], bar[21];
@@ -115,6 +140,7 @@ static void draw_bar(struct progress *progress, uint64_t done, uint64_t total, d
     fprintf(stderr, "\r\033[K%s: %s [%s] %3.0f %%  %s", progress->prefix, progress->what, bar, 100 * part,
             speed);
     if (rate > 0 && done < total) fprintf(stderr, "  %.0f s left", (double)(total - done) / rate);
+    print_run_left(progress, done, total, now);
   }
   progress->bar_is_drawn = 1;
   progress->drawn = now;
@@ -130,8 +156,11 @@ static void print_json_text(const char *text) {
 static void print_json(struct progress *progress, uint64_t done, uint64_t total, double now) {
   fputs("{\"progress\":\"", stderr);
   print_json_text(progress->what);
-  fprintf(stderr, "\",\"done\":%llu,\"total\":%llu,\"seconds\":%.3f}\n", (unsigned long long)done,
+  fprintf(stderr, "\",\"done\":%llu,\"total\":%llu,\"seconds\":%.3f", (unsigned long long)done,
           (unsigned long long)total, now - progress->began);
+  if (run_left(progress, done, total, now) >= 0)
+    fprintf(stderr, ",\"run_seconds_left\":%.0f", run_left(progress, done, total, now));
+  fputs("}\n", stderr);
   progress->drawn = now;
 }
 
@@ -150,7 +179,9 @@ static void print_tenth(struct progress *progress, uint64_t done, uint64_t total
   if (!total || tenth <= progress->last_tenth) return;
   progress->last_tenth = tenth;
   if (now - progress->began < 1.0) return;
-  fprintf(stderr, "%s: %s %d %%\n", progress->prefix, progress->what, tenth * 10);
+  fprintf(stderr, "%s: %s %d %%", progress->prefix, progress->what, tenth * 10);
+  print_run_left(progress, done, total, now);
+  fputc('\n', stderr);
 }
 
 int progress_report(void *user, const char *what, uint64_t done, uint64_t total) {

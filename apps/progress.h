@@ -16,6 +16,8 @@ struct progress {
   uint64_t done;
   int last_tenth;
   double began, drawn; /* seconds */
+  /* Of a whole run, by the weights of its stages: when this stage began, what it and all later ones take. */
+  double stage_began, stage_seconds, later_seconds;
 };
 
 void progress_init(struct progress *progress, enum progress_mode mode, const char *prefix, const char *word);
@@ -23,6 +25,9 @@ void progress_init(struct progress *progress, enum progress_mode mode, const cha
 int progress_report(void *user, const char *what, uint64_t done, uint64_t total);
 /* What a program is at: "read", "run", "write" of a stage. A JSON line; nothing in the other modes. */
 void progress_phase(struct progress *progress, const char *phase, const char *stage);
+/* From here on the stage takes so many seconds by its weight, and all later ones together so many: the time
+ * that is left of the whole run is then shown too. Both 0: not known. */
+void progress_run(struct progress *progress, double stage_seconds, double later_seconds);
 /* Takes the bar off the terminal, before a line is printed and at the end. */
 void progress_clear(struct progress *progress);
 

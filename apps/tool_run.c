@@ -3,7 +3,9 @@
 #include "cli.h"
 #include "contain.h"
 #include "exec_stage.h"
+#include "outlook.h"
 #include "pipeline.h"
+#include "room.h"
 #include "tools.h"
 
 #include <stdio.h>
@@ -13,12 +15,14 @@
 
 struct run {
   struct cli cli;
-  const char *from, *until, *checkpoint;
-  int resume, print_pipe;
+  const char *from, *until, *checkpoint, *block;
+  int resume, print_pipe, ignore_space;
   struct words kinds;
   conceg_registry *registry;
   conceg_recipe *recipe;
   conceg_doc *doc;
+  struct stage_cost *cost; /* of each stage, once place has said what is asked for; NULL before */
+  double foretold, taken;  /* seconds of the stages that are done, by their weights and by the clock */
   int has_input; /* 1 = the document came from a file: the recipe is then the later stages' own one */
 };
 
@@ -191,6 +195,100 @@ static int run_kind(struct run *run, uint32_t index, int is_first) {
   return code;
 }
 
+/* ---- What lies ahead ---- */
+
+static int keeps_group(const struct run *run, const char *group) {
+  const conceg_node *keep = conceg_node_get(conceg_recipe_root(run->recipe), "keep");
+  uint32_t i;
+  for (i = 0; i < conceg_node_count(keep); i++) {
+    const char *word = conceg_node_text(conceg_node_at(keep, i));
+    if (word && !strcmp(*word == '/' ? word + 1 : word, group)) return 1;
+  }
+  return 0;
+}
+
+/* The costs of the stages from `next` on; those of programs and of stages that cannot be asked are unknown.
+ */
+static int foretell(struct run *run, uint32_t next) {
+  struct outlook outlook;
+  uint32_t i;
+  if (!outlook_of(run->doc, &outlook)) return EXIT_OK;
+  run->cost = calloc(run->kinds.count, sizeof *run->cost);
+  if (!run->cost) return cli_fail(&run->cli, EXIT_STAGE, "out of memory");
+  for (i = next; i < run->kinds.count; i++) {
+    const char *kind = run->kinds.word[i], *impl = cli_impl(&run->cli, kind, run->recipe, run->doc);
+    const conceg_stage *stage = NULL;
+    conceg_params *params = NULL;
+    if (!exec_command(impl) && conceg_registry_find(run->registry, kind, impl, &stage) == CONCEG_OK &&
+        conceg_params_new(run->cli.ctx, stage, NULL, run->recipe, run->cli.sets.word, NULL, &params) !=
+            CONCEG_OK)
+      params = NULL;
+    run->cost[i] =
+        outlook_cost(&outlook, kind, params, run->checkpoint != NULL && stage && keeps_parts(stage));
+    conceg_params_free(params);
+  }
+  return EXIT_OK;
+}
+
+static const char *folder_of(struct run *run, const char *path) {
+  const char *slash = strrchr(path, '/');
+  if (!slash) return ".";
+  return slash == path ? "/" : cli_keep(&run->cli, "%.*s", (int)(slash - path), path);
+}
+
+/* Whether what the stages from `next` on write finds room: temporary files, checkpoints, the document. */
+static int check_space(struct run *run, uint32_t next) {
+  double document = 0, network = 0, temporary = 0, parts = 0, checkpoints = 0;
+  struct room_need needs[3];
+  uint32_t i, count = 0;
+  for (i = next; i < run->kinds.count; i++) {
+    const struct stage_cost *cost = &run->cost[i];
+    document += cost->document;
+    if (!strcmp(run->kinds.word[i], "triangulate")) network = cost->document;
+    if (!strcmp(run->kinds.word[i], "grow") && !keeps_group(run, "network")) document -= network, network = 0;
+    temporary = cost->temporary > temporary ? cost->temporary : temporary;
+    parts = cost->part > parts ? cost->part : parts;
+    checkpoints += document;
+  }
+  if (document > (double)conceg_ctx_memory(run->cli.ctx)) temporary += document;
+  needs[count++] = (struct room_need){conceg_ctx_tmpdir(run->cli.ctx), "temporary files", temporary};
+  if (run->checkpoint)
+    needs[count++] = (struct room_need){run->checkpoint, "checkpoints", checkpoints + parts};
+  if (run->cli.output && strcmp(run->cli.output, "-") != 0)
+    needs[count++] = (struct room_need){folder_of(run, run->cli.output), "the document", document};
+  return room_check(
+      &run->cli, needs, count,
+      "free some, set TMPDIR to another disk, raise mesh.h_um, take a smaller box, or pass over "
+      "this estimate with --ignore-space");
+}
+
+/* Tells the progress what this stage and the later ones take, by the speed of those that are done. */
+static void tell_outlook(struct run *run, uint32_t index) {
+  double later = 0, speed = run->foretold > 1 ? run->taken / run->foretold : 1;
+  char left[32];
+  uint32_t i;
+  if (!run->cost) return;
+  speed = speed < 0.2 ? 0.2 : speed > 20 ? 20 : speed;
+  for (i = index + 1; i < run->kinds.count; i++)
+    later += speed * run->cost[i].seconds;
+  progress_run(&run->cli.progress, speed * run->cost[index].seconds, later);
+  if (run->cli.quiet || run->cli.progress.mode != PROGRESS_AUTO || later + run->cost[index].seconds < 60)
+    return;
+  outlook_time_text(left, sizeof left, later + speed * run->cost[index].seconds);
+  progress_clear(&run->cli.progress);
+  fprintf(stderr, "%s: stage %u of %u, %s: about %s left of the run (by the weights of the stages)\n",
+          run->cli.program->name, index + 1, run->kinds.count, run->kinds.word[index], left);
+}
+
+/* As soon as the document says what is asked for, before anything that takes long. */
+static int look_ahead(struct run *run, uint32_t next) {
+  int code = EXIT_OK;
+  if (run->cost || next == run->kinds.count) return EXIT_OK;
+  code = foretell(run, next);
+  if (code == EXIT_OK && run->cost && !run->ignore_space) code = check_space(run, next);
+  return code;
+}
+
 /* Finds every stage and checks every section before the first one begins. */
 static int check_all(struct run *run) {
   struct cli *cli = &run->cli;
@@ -244,10 +342,28 @@ static int run_stages(struct run *run) {
     const conceg_status status = conceg_doc_new(cli->ctx, &run->doc);
     if (status != CONCEG_OK) code = cli_fail_status(cli, status);
   }
-  for (i = first; code == EXIT_OK && i < run->kinds.count; i++)
+  for (i = first; code == EXIT_OK && i < run->kinds.count; i++) {
+    const double began = seconds_now();
+    code = look_ahead(run, i);
+    if (code != EXIT_OK) break;
+    tell_outlook(run, i);
     code = run_kind(run, i, i == 0);
+    if (run->cost) run->foretold += run->cost[i].seconds, run->taken += seconds_now() - began;
+  }
   if (code == EXIT_OK && writes) code = cli_save(cli, run->doc, cli->output);
   return code;
+}
+
+/* --block LO:HI as values of the stage block. */
+static int take_block(struct run *run) {
+  struct cli *cli = &run->cli;
+  const char *colon = run->block ? strchr(run->block, ':') : NULL;
+  if (!run->block) return EXIT_OK;
+  if (!colon || colon == run->block || !colon[1])
+    return cli_fail(cli, EXIT_USAGE, "--block %.40s: expected LO:HI in um along z, as 400:490", run->block);
+  words_add(&cli->sets, cli_keep(cli, "block.lo_um=%.*s", (int)(colon - run->block), run->block));
+  words_add(&cli->sets, cli_keep(cli, "block.hi_um=%s", colon + 1));
+  return EXIT_OK;
 }
 
 static int run_body(struct run *run) {
@@ -265,11 +381,13 @@ static int run_body(struct run *run) {
   if (run->has_input && run->checkpoint)
     return cli_fail(cli, EXIT_USAGE,
                     "--checkpoint is for runs that begin with the recipe, not with a document");
+  code = take_block(run);
+  if (code != EXIT_OK) return code;
   status = conceg_recipe_load(cli->ctx, path, &run->recipe);
   for (set = cli->sets.word; status == CONCEG_OK && *set; set++)
     status = conceg_recipe_set(cli->ctx, run->recipe, *set);
   if (status != CONCEG_OK) return cli_fail_status(cli, status);
-  code = pipeline_choose(cli, run->recipe, run->from, run->until, &run->kinds);
+  code = pipeline_choose(cli, run->recipe, run->from, run->until, run->block != NULL, &run->kinds);
   if (code != EXIT_OK) return code;
   if (run->print_pipe) {
     pipeline_print(cli, path, run->has_input ? cli->words.word[1] : NULL, &run->kinds);
@@ -286,10 +404,13 @@ int tool_run(int argc, char **argv) {
   const struct cli_option options[] = {
       {"from", 0, "STAGE", "begin with this stage, on the document INPUT.cgx", NULL, &run.from, NULL},
       {"until", 0, "STAGE", "end after this stage", NULL, &run.until, NULL},
+      {"block", 0, "LO:HI", "mesh and go on with the part from LO to HI um along z alone", NULL, &run.block,
+       NULL},
       {"checkpoint", 0, "DIR", "keep the document after each stage, and unfinished stages, in DIR", NULL,
        &run.checkpoint, NULL},
       {"resume", 0, NULL, "go on after the newest checkpoint of the same recipe and build", &run.resume, NULL,
        NULL},
+      {"ignore-space", 0, NULL, "begin even where the disk seems too small", &run.ignore_space, NULL, NULL},
       {"print-pipe", 0, NULL, "print the same run as a shell pipe, and do nothing", &run.print_pipe, NULL,
        NULL},
       {NULL, 0, NULL, NULL, NULL, NULL, NULL}};
@@ -308,5 +429,6 @@ int tool_run(int argc, char **argv) {
   conceg_recipe_free(run.recipe);
   conceg_registry_free(run.registry);
   words_free(&run.kinds);
+  free(run.cost);
   return cli_end(&run.cli, code);
 }

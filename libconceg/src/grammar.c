@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * The grammar of a recipe (spec/cli.md, rules R1 to R13): known keys, their forms and ranges, canonical
+ * The grammar of a recipe (spec/cli.md, rules R1 to R14): known keys, their forms and ranges, canonical
  * order. */
 #include "recipe.h"
 
@@ -67,6 +67,12 @@ static const struct field type_fields[] = {{"name", FORM_TEXT, 1, NULL},
                                            {"direction", FORM_MAP, 0, direction_fields},
                                            {NULL, FORM_TEXT, 0, NULL}};
 
+static const struct field perturb_fields[] = {{"neurons", FORM_NONNEGATIVE, 0, NULL},
+                                              {"dendrites", FORM_NONNEGATIVE, 0, NULL},
+                                              {"glia", FORM_NONNEGATIVE, 0, NULL},
+                                              {"ecs", FORM_NONNEGATIVE, 0, NULL},
+                                              {NULL, FORM_TEXT, 0, NULL}};
+
 static const struct field recipe_fields[] = {{"conceg", FORM_VERSION, 1, NULL},
                                              {"title", FORM_TEXT, 0, NULL},
                                              {"seed", FORM_SEED, 0, NULL},
@@ -76,6 +82,7 @@ static const struct field recipe_fields[] = {{"conceg", FORM_VERSION, 1, NULL},
                                              {"density_profile", FORM_LIST, 0, profile_fields},
                                              {"layers", FORM_LIST, 0, layer_fields},
                                              {"types", FORM_LIST, 0, type_fields},
+                                             {"perturb", FORM_MAP, 0, perturb_fields},
                                              {"stages", FORM_WORDS, 0, NULL},
                                              {"keep", FORM_WORDS, 0, NULL},
                                              {NULL, FORM_TEXT, 0, NULL}};
@@ -385,6 +392,26 @@ static conceg_status check_types(conceg_ctx *ctx, const conceg_node *types, cons
   return CONCEG_OK;
 }
 
+/* Factors of a perturbation, in the order of perturb_fields: within bounds, and left out where they change
+ * nothing, so that a factor of 1 is the unperturbed recipe to the byte. */
+static conceg_status check_perturb(conceg_ctx *ctx, conceg_node *root) {
+  static const double bounds[][2] = {{0, 1}, {0.1, 1}, {0, 10}, {0.1, 10}};
+  conceg_node *perturb = node_find(root, "perturb");
+  uint32_t i;
+  if (!perturb) return CONCEG_OK;
+  for (i = 0; perturb_fields[i].name; i++) {
+    const conceg_node *factor = node_find(perturb, perturb_fields[i].name);
+    double value;
+    if (!factor || !number_of(factor, &value)) continue;
+    if (!(value >= bounds[i][0] && value <= bounds[i][1]))
+      return fail_node(ctx, CONCEG_E_PARAM, factor, "perturb.%s: expected a factor from %g to %g, got %.60s",
+                       perturb_fields[i].name, bounds[i][0], bounds[i][1], factor->text);
+    if (value == 1) node_remove(perturb, perturb_fields[i].name);
+  }
+  if (!perturb->count) node_remove(root, "perturb");
+  return CONCEG_OK;
+}
+
 /* Every word of a list must be one of `names`. */
 static conceg_status check_words(conceg_ctx *ctx, const conceg_node *list, const char *what,
                                  const char *thing, const char *const *names) {
@@ -443,6 +470,7 @@ conceg_status recipe_check(conceg_ctx *ctx, conceg_node *root) {
   if (status == CONCEG_OK) status = check_names(ctx, layers, "layers");
   if (status == CONCEG_OK) status = check_names(ctx, types, "types");
   if (status == CONCEG_OK) status = check_types(ctx, types, layers);
+  if (status == CONCEG_OK) status = check_perturb(ctx, root);
   if (status == CONCEG_OK) status = check_stages(ctx, node_find(root, "stages"));
   if (status == CONCEG_OK) status = check_keep(ctx, node_find(root, "keep"));
   if (status == CONCEG_OK) sort_sections(root);

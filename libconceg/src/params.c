@@ -249,7 +249,7 @@ static conceg_status overlay(conceg_ctx *ctx, conceg_params *params, const conce
  * holds. */
 static conceg_status check_late_set(conceg_ctx *ctx, const conceg_stage *stage, const char *assignment) {
   static const char *const early[] = {"conceg",          "title",  "domain", "dictionary", "density_per_um3",
-                                      "density_profile", "layers", "types",  NULL};
+                                      "density_profile", "layers", "types",  "perturb",    NULL};
   const size_t length = strcspn(assignment, ".[=");
   int i;
   for (i = 0; early[i]; i++)

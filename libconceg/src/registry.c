@@ -6,9 +6,9 @@
 
 #include "text.h"
 
-static const char *const pipeline[] = {"characterise", "import", "place",  "triangulate", "grow",
-                                       "relax",        "mesh",   "check",  "simulate",    "fit",
-                                       "analyse",      "export", "render", "report",      NULL};
+static const char *const pipeline[] = {"characterise", "import", "place",  "triangulate", "grow", "relax",
+                                       "block",        "mesh",   "check",  "simulate",    "fit",  "analyse",
+                                       "export",       "render", "report", NULL};
 
 const char *conceg_pipeline_kind(uint32_t index) {
   return index < sizeof pipeline / sizeof *pipeline ? pipeline[index] : NULL;

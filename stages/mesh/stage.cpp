@@ -105,26 +105,29 @@ Tissue read_tissue(conceg_doc *doc) {
   return tissue;
 }
 
+// Of the faces that are marched, what simplification leaves at most; without it all of them.
+constexpr double kSimplified = 0.5;
 // Bytes a face: a chunk's half vertex and face; a finished surface in its file; its rows in the document.
 constexpr double kChunkBytes = 11, kSurfaceBytes = 18, kDocumentBytes = 33;
 
 // The room that files will take, from the area of the primitives: faces per step^2, which cells that press on
-// one another and simplification only lessen.
-void check_room(conceg_ctx *ctx, const Scene &scene, bool light, const std::string &side_file) {
-  const double unit = scene.grid.unit, faces = (light ? 3 : 9) * primitive_area(scene);
-  const double document =
-      kDocumentBytes * faces > double(conceg_ctx_memory(ctx)) ? kDocumentBytes * faces : 0;
+// one another only lessen.
+void check_room(conceg_ctx *ctx, const Scene &scene, bool light, bool simplified,
+                const std::string &side_file) {
+  const double unit = scene.grid.unit, faces = (light ? 3 : 9) * primitive_area(scene),
+               kept = simplified ? kSimplified * faces : faces;
+  const double document = kDocumentBytes * kept > double(conceg_ctx_memory(ctx)) ? kDocumentBytes * kept : 0;
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
                  "mesh: %.0f um2 of membrane on a grid of %.3f um: at most about %.2g faces before "
                  "simplification, %.1f GB of temporary files",
                  primitive_area(scene) * unit * unit, unit, faces,
-                 1e-9 * ((kChunkBytes + kSurfaceBytes) * faces + document));
-  const double own = side_file.empty() ? kSurfaceBytes * faces : 0;
+                 1e-9 * (kChunkBytes * faces + kSurfaceBytes * kept + document));
+  const double own = side_file.empty() ? kSurfaceBytes * kept : 0;
   need_free_space(conceg_ctx_tmpdir(ctx), kChunkBytes * faces + document + own, "unfinished meshes");
   if (side_file.empty()) return;
   const std::size_t slash = side_file.rfind('/');
-  need_free_space(slash == std::string::npos ? "." : side_file.substr(0, slash + 1),
-                  2 * kSurfaceBytes * faces, "finished surfaces"); // once more where they are moved apart
+  need_free_space(slash == std::string::npos ? "." : side_file.substr(0, slash + 1), 2 * kSurfaceBytes * kept,
+                  "finished surfaces"); // once more where they are moved apart
 }
 
 void warn_thin(conceg_ctx *ctx, const Scene &scene) {
@@ -184,8 +187,8 @@ std::vector<std::uint8_t> report_pieces(conceg_ctx *ctx, const std::vector<Piece
   return there;
 }
 
-void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done, const FinalCheck &check,
-                   double total) {
+void report_result(conceg_ctx *ctx, const Finished &done, const FinalCheck &check, double total,
+                   double icvf) {
   std::size_t faces = 0;
   std::size_t handles = 0, with_handles = 0;
   double cut = 0, area = 0, gap = check.surfaces.empty() ? 0 : check.result.min_gap[0];
@@ -205,7 +208,7 @@ void report_result(conceg_ctx *ctx, const Tissue &tissue, const Finished &done, 
       "%llu places repaired in %d rounds, cells fill %.4f of the box",
       check.surfaces.size(), faces, area > 0 ? double(faces) / area : 0.0,
       static_cast<unsigned long long>(done.base_faces), static_cast<unsigned long long>(done.moved_vertices),
-      static_cast<unsigned long long>(done.repaired_pairs), done.rounds, total / volume(tissue.box));
+      static_cast<unsigned long long>(done.repaired_pairs), done.rounds, icvf);
   conceg_ctx_log(ctx, CONCEG_LOG_INFO,
                  "mesh: final check: %llu pairs of faces in all images, 0 crossings, 0 folds, all closed and "
                  "outward; least gap %.4f um",
@@ -301,7 +304,7 @@ std::vector<std::uint8_t> make_meshes(conceg_ctx *ctx, conceg_doc *doc, const co
                                       Workers &workers, const Progress &progress, Phases &phases) {
   const std::string side_file = conceg_params_text(params, "checkpoint");
   const Scene scene = make_scene(tissue, scene_options);
-  check_room(ctx, scene, scene_options.cluster, side_file);
+  check_room(ctx, scene, scene_options.cluster, conceg_params_f64(params, "tolerance_um") > 0, side_file);
   warn_thin(ctx, scene);
   const Index index = make_index(scene, workers, progress);
   warn_pinches(ctx, scene, predict_pinches(scene, index, workers));
@@ -339,7 +342,7 @@ std::vector<std::uint8_t> make_meshes(conceg_ctx *ctx, conceg_doc *doc, const co
   const FinalCheck check = judge(doc, there, options, workers, progress);
   const double total =
       write_measures(doc, tissue.box, scene, check, done.pieces, levels, options.gap, workers);
-  report_result(ctx, tissue, done, check, total);
+  report_result(ctx, done, check, total, view<double>(doc, "/meshes@icvf")[0]);
   phases.end("final check");
   if (!side_file.empty()) std::remove(side_file.c_str());
   return left_out_segments(tissue, check.surfaces, done.pieces, workers);

@@ -6,6 +6,7 @@
 #include "composition.hpp"
 #include "donors.hpp"
 #include "laws.hpp"
+#include "somas.hpp"
 
 #include "conceg/geom.h"
 #include "parallel.hpp"
@@ -35,15 +36,9 @@ constexpr double kMostCable = 1.0; // um per um3, of all types together: more fi
 // box once; the diagonal of a box without one, where the sides cut it.
 double default_length(const conceg_box &box);
 
-// Spheres that no axon starts in.
-struct Somas {
-  std::vector<glm::dvec3> center;
-  std::vector<double> radius;
-};
-
 // The axons of one type, ids first_id, first_id + id_step, ... Each is a piece of a stationary process of
-// straight lines: periodic sides let it through, open ones cut it. The last one is shortened so that the
-// lengths add up to density x volume. `name` stands in errors.
+// straight lines, and begins outside all `somas`: periodic sides let it through, open ones cut it. The last
+// one is shortened so that the lengths add up to density x volume. `name` stands in errors.
 std::vector<Axon> draw_axons(const conceg_box &box, const AxonLaw &law, const Somas &somas,
                              std::uint64_t first_id, std::uint64_t id_step, std::uint64_t seed,
                              const char *name, const Progress &progress);

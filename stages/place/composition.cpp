@@ -84,6 +84,8 @@ void add_by_own_density(const Box &box, const std::vector<Layer> &layers, const 
   }
 }
 
+} // namespace
+
 // Hamilton's method: everybody gets the whole part, the largest remainders get the rest; the earlier one wins
 // a tie.
 void round_by_largest_remainder(std::vector<Demand> &demands) {
@@ -116,8 +118,6 @@ void round_by_largest_remainder(std::vector<Demand> &demands) {
   for (std::size_t i = 0; given_out < cells && i < order.size(); i++, given_out++)
     demands[order[i]].count++;
 }
-
-} // namespace
 
 double Profile::at(double height) const {
   if (height <= z.front()) return density.front();

@@ -55,4 +55,8 @@ struct Demand {
 std::vector<Demand> compose(const Box &box, const std::vector<Layer> &layers,
                             const std::vector<TypeShare> &types, double density, const Profile &profile);
 
+// Sets `count` of each row from `expected`: the whole part, and one more for the largest remainders, so that
+// the counts add up to the rounded total, which must be a cell at least.
+void round_by_largest_remainder(std::vector<Demand> &demands);
+
 } // namespace conceg::place

@@ -9,6 +9,12 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
+// Of a tip from the soma's centre when the way from the soma's surface is `length` times what it was.
+double shortened(double distance, double soma_radius, double length) {
+  if (length == 1.0 || distance <= soma_radius) return distance;
+  return soma_radius + (distance - soma_radius) * length;
+}
+
 // The smallest turn that takes +z to `pia`.
 glm::dquat upright(const glm::dvec3 &pia) {
   if (pia.z < -0.999999999) return {0, 1, 0, 0}; // upside down: any half turn about a level axis
@@ -76,10 +82,15 @@ void append_cell(const Dictionary &dictionary, const Pool &pool, const CellDraw 
                  const DonorOptions &options, Bars &bars) {
   const DictionaryBars &from = dictionary.bar;
   const std::uint64_t first_row = bars.tree.size();
+  const double soma_radius = dictionary.donor.soma_radius[cell.donor];
   conceg_rng rng = conceg_rng_stream(options.seed, "place.angle", cell.id);
   std::uint32_t tree_number = 0;
   for (const auto &[tree, rotation] : draw_trees(dictionary, pool, cell, options)) {
     const std::vector<std::size_t> rows = parents_first(dictionary, tree);
+    const std::uint8_t neurite = dictionary.tree.neurite[tree];
+    // A tree that shrinks keeps its form: all lengths by one factor, radii along it as they were.
+    const double length =
+        neurite == CONCEG_SWC_BASAL || neurite == CONCEG_SWC_APICAL ? cell.dendrite_length : 1.0;
     const std::uint64_t first_of_tree = bars.tree.size() - first_row;
     std::vector<std::int64_t> row_of(rows.size());
     for (std::size_t i = 0; i < rows.size(); i++) {
@@ -88,14 +99,15 @@ void append_cell(const Dictionary &dictionary, const Pool &pool, const CellDraw 
       row_of[rows[i]] = static_cast<std::int64_t>(first_of_tree + i);
       bars.tree.push_back(tree_number);
       bars.parent.push_back(root ? -1 : row_of[static_cast<std::size_t>(from.parent[bar])]);
-      bars.neurite.push_back(dictionary.tree.neurite[tree]);
-      bars.start.push_back(from.birth[bar]);
-      bars.end.push_back(from.death[bar]);
-      bars.attractor.push_back(cell.soma + rotation * from.tip_direction[bar] * from.tip_distance[bar]);
+      bars.neurite.push_back(neurite);
+      bars.start.push_back(from.birth[bar] * length);
+      bars.end.push_back(from.death[bar] * length);
+      bars.attractor.push_back(cell.soma + rotation * from.tip_direction[bar] *
+                                               shortened(from.tip_distance[bar], soma_radius, length));
       const bool drawn = !root && options.drawn_angles && !pool.angles.empty();
       bars.angle.push_back(drawn ? pool.angles[conceg_rng_below(&rng, pool.angles.size())] : from.angle[bar]);
       bars.radius.push_back(from.radius[bar] * cell.radius_scale);
-      bars.taper.push_back(from.taper[bar] * cell.radius_scale);
+      bars.taper.push_back(from.taper[bar] * cell.radius_scale / length);
       bars.radius_floor.push_back(options.min_radius_um);
     }
     tree_number++;

@@ -47,6 +47,7 @@ struct CellDraw {
   glm::dquat rotation;
   glm::dvec3 soma;
   double radius_scale;
+  double dendrite_length = 1.0; // of dendritic bars, over the donor's
 };
 
 struct TreeDraw {

@@ -39,6 +39,9 @@ public:
       fail(CONCEG_E_MISSING, "recipe: key types is missing; list at least one cell type");
     for (std::uint32_t i = 0; i < conceg_node_count(types); i++)
       in.types.push_back(type(conceg_node_at(types, i), in.layers, i));
+    in.perturb.neurons = number(conceg_node_get(root_, "perturb.neurons"), 1.0);
+    in.perturb.dendrites = number(conceg_node_get(root_, "perturb.dendrites"), 1.0);
+    in.perturb.glia = number(conceg_node_get(root_, "perturb.glia"), 1.0);
     return in;
   }
 

@@ -5,6 +5,8 @@
 
 #include "axons.hpp"
 #include "composition.hpp"
+#include "perturb.hpp"
+
 #include "conceg/geom.h"
 #include "conceg/params.h"
 
@@ -30,6 +32,7 @@ struct RecipeInput {
   Profile profile;
   std::vector<Layer> layers;
   std::vector<TypeInput> types;
+  Perturbation perturb;
 };
 
 // The recipe that travels in the document; errors name key and line.

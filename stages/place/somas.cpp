@@ -123,8 +123,11 @@ void check_alone(const conceg_box &box, const SomaRequest &soma, double gap) {
 } // namespace
 
 std::vector<glm::dvec3> place_somas(const conceg_box &box, const std::vector<SomaRequest> &requests,
-                                    double gap_um, std::uint64_t seed, const Progress &progress) {
+                                    double gap_um, std::uint64_t seed, const Progress &progress,
+                                    const Somas &standing) {
   double largest = 0.0;
+  for (const double radius : standing.radius)
+    largest = std::max(largest, radius);
   for (const SomaRequest &soma : requests) {
     check_alone(box, soma, gap_um);
     largest = std::max(largest, soma.radius);
@@ -136,6 +139,8 @@ std::vector<glm::dvec3> place_somas(const conceg_box &box, const std::vector<Som
                                                     : requests[a].id < requests[b].id;
   });
   Placed placed(box, largest, gap_um);
+  for (std::size_t i = 0; i < standing.center.size(); i++)
+    placed.add(standing.center[i], standing.radius[i]);
   std::vector<glm::dvec3> centers(requests.size());
   std::size_t found_count = 0, misses_in_row = 0;
   for (std::size_t i = 0; i < order.size() && misses_in_row < kMissesInRow; i++) {

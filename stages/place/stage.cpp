@@ -4,6 +4,7 @@
 #include "composition.hpp"
 #include "dictionary_io.hpp"
 #include "donors.hpp"
+#include "perturb.hpp"
 #include "recipe_input.hpp"
 #include "somas.hpp"
 
@@ -62,12 +63,12 @@ Dictionary dictionary_for(conceg_ctx *ctx, const RecipeInput &recipe,
 }
 
 // The k-th cell of type t has the id k * types + t: a changed count of one type leaves the other cells as
-// they were.
-std::vector<Cell> draw_cells(const std::vector<Demand> &demands, std::size_t types,
-                             const Dictionary &dictionary, const std::vector<Pool> &pool_of_type,
-                             const DonorOptions &options) {
+// they were. `made` counts the cells of each type so far.
+std::vector<Cell> draw_cells(const std::vector<Demand> &demands, const Dictionary &dictionary,
+                             const std::vector<Pool> &pool_of_type, const DonorOptions &options,
+                             std::vector<std::uint64_t> &made) {
+  const std::size_t types = made.size();
   std::vector<std::pair<std::uint64_t, std::size_t>> rows; // id, demand
-  std::vector<std::uint64_t> made(types);
   for (std::size_t d = 0; d < demands.size(); d++)
     for (std::uint64_t i = 0; i < demands[d].count; i++)
       rows.emplace_back(made[demands[d].type]++ * types + demands[d].type, d);
@@ -83,15 +84,23 @@ std::vector<Cell> draw_cells(const std::vector<Demand> &demands, std::size_t typ
   return cells;
 }
 
+Somas somas_of(const std::vector<Cell> &cells) {
+  Somas somas;
+  for (const Cell &cell : cells)
+    somas.center.push_back(cell.soma), somas.radius.push_back(cell.radius);
+  return somas;
+}
+
 void place_cells(const RecipeInput &recipe, const std::vector<Demand> &demands, double gap_um,
-                 std::uint64_t seed, const Progress &progress, std::vector<Cell> &cells) {
+                 std::uint64_t seed, const Progress &progress, const Somas &standing,
+                 std::vector<Cell> &cells) {
   std::vector<SomaRequest> requests;
   for (const Cell &cell : cells) {
     const Demand &demand = demands[cell.demand];
     requests.push_back(
         {cell.id, cell.radius, demand.z_lo, demand.z_hi, demand.by_profile ? &recipe.profile : nullptr});
   }
-  const std::vector<glm::dvec3> somas = place_somas(recipe.box, requests, gap_um, seed, progress);
+  const std::vector<glm::dvec3> somas = place_somas(recipe.box, requests, gap_um, seed, progress, standing);
   for (std::size_t i = 0; i < cells.size(); i++)
     cells[i].soma = somas[i];
 }
@@ -124,9 +133,7 @@ void check_cable(const RecipeInput &recipe) {
 // The passing axons of each type, outside the somas.
 std::vector<std::vector<Axon>> draw_all_axons(conceg_ctx *ctx, const RecipeInput &recipe,
                                               const std::vector<Cell> &cells, std::uint64_t seed) {
-  Somas somas;
-  for (const Cell &cell : cells)
-    somas.center.push_back(cell.soma), somas.radius.push_back(cell.radius);
+  const Somas somas = somas_of(cells);
   std::vector<std::vector<Axon>> axons(recipe.types.size());
   for (std::size_t t = 0; t < recipe.types.size(); t++) {
     const TypeInput &type = recipe.types[t];
@@ -137,6 +144,47 @@ std::vector<std::vector<Axon>> draw_all_axons(conceg_ctx *ctx, const RecipeInput
     tell_axons(ctx, recipe, type, axons[t]);
   }
   return axons;
+}
+
+// The cells of the unperturbed recipe, each in its place, and behind them the glia that come on top: these
+// find room around the others and move none.
+std::vector<Cell> place_all(conceg_ctx *ctx, const RecipeInput &recipe, const std::vector<Demand> &demands,
+                            double gap_um, const Dictionary &dictionary, const std::vector<Pool> &pools,
+                            const DonorOptions &options) {
+  std::vector<std::uint64_t> made(recipe.types.size());
+  std::vector<Cell> cells = draw_cells(demands, dictionary, pools, options, made);
+  place_cells(recipe, demands, gap_um, options.seed, progress_of(ctx), {}, cells);
+  if (!(recipe.perturb.glia > 1.0)) return cells;
+  std::vector<std::uint8_t> grows;
+  for (const TypeInput &type : recipe.types)
+    grows.push_back(is_glia(type.class_name));
+  const std::vector<Demand> more = additional(demands, grows, recipe.perturb.glia);
+  std::vector<Cell> added = draw_cells(more, dictionary, pools, options, made);
+  place_cells(recipe, more, gap_um, options.seed, progress_of(ctx), somas_of(cells), added);
+  conceg_ctx_log(ctx, CONCEG_LOG_INFO, "place: perturb.glia: %zu cells on top", added.size());
+  cells.insert(cells.end(), added.begin(), added.end());
+  return cells;
+}
+
+// Takes out those that the perturbation loses, after all places and draws are settled.
+void lose_cells(conceg_ctx *ctx, const RecipeInput &recipe, const char *factor, double share,
+                bool (*concerned)(const std::string &), std::uint64_t seed, std::vector<Cell> &cells) {
+  if (!(share < 1.0)) return;
+  const auto is_concerned = [&](const Cell &cell) { return concerned(recipe.types[cell.type].class_name); };
+  std::vector<std::uint64_t> ids;
+  for (const Cell &cell : cells)
+    if (is_concerned(cell)) ids.push_back(cell.id);
+  const std::vector<std::uint8_t> stays =
+      staying(ids, share, seed, (std::string("place.perturb.") + factor).c_str());
+  std::size_t next = 0, before = cells.size();
+  cells.erase(std::remove_if(cells.begin(), cells.end(),
+                             [&](const Cell &cell) { return is_concerned(cell) && !stays[next++]; }),
+              cells.end());
+  conceg_ctx_log(ctx, CONCEG_LOG_INFO, "place: perturb.%s: %zu of %zu cells are lost", factor,
+                 before - cells.size(), ids.size());
+  if (cells.empty())
+    fail(CONCEG_E_RANGE, "perturb.%s: expected a cell to be left, all %zu are lost; raise the factor", factor,
+         before);
 }
 
 // Puts the axons among the cells, in the order of the ids.
@@ -202,7 +250,7 @@ void write_types(conceg_doc *doc, const RecipeInput &recipe, const std::vector<D
   const std::size_t types = recipe.types.size();
   std::vector<std::string> name, class_name, layer, entry;
   std::vector<double> fraction(types), radius_scale;
-  std::vector<std::uint64_t> asked(types), placed(types);
+  std::vector<std::uint64_t> asked(types), placed(types); // by the densities; after the perturbation
   double total = 0.0;
   for (const Demand &demand : demands) {
     fraction[demand.type] += demand.expected;
@@ -315,7 +363,8 @@ Bars ask_bars(conceg_ctx *ctx, const RecipeInput &recipe, const Dictionary &dict
       append_axon(*cell.axon, options.min_radius_um, bars);
     else
       append_cell(dictionary, pool_of_type[cell.type],
-                  {cell.id, cell.donor, cell.rotation, cell.soma, recipe.types[cell.type].radius_scale},
+                  {cell.id, cell.donor, cell.rotation, cell.soma, recipe.types[cell.type].radius_scale,
+                   is_neuron(recipe.types[cell.type].class_name) ? recipe.perturb.dendrites : 1.0},
                   options, bars);
     must(conceg_ctx_progress(ctx, "barcodes", i + 1, cells.size()));
   }
@@ -331,10 +380,12 @@ void place_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
   const std::vector<Pool> pools =
       pools_for(ctx, recipe, conceg_params_i64(params, "validation_fold"), entry_of_type, dictionary);
   const std::vector<Demand> demands = count_cells(recipe);
-  std::vector<Cell> cells = draw_cells(demands, recipe.types.size(), dictionary, pools, options);
-  place_cells(recipe, demands, conceg_params_f64(params, "soma_gap_um"), options.seed, progress_of(ctx),
-              cells);
+  std::vector<Cell> cells =
+      place_all(ctx, recipe, demands, conceg_params_f64(params, "soma_gap_um"), dictionary, pools, options);
+  // Around lost cells too: the axons of a pair are the same.
   const std::vector<std::vector<Axon>> axons = draw_all_axons(ctx, recipe, cells, options.seed);
+  lose_cells(ctx, recipe, "neurons", recipe.perturb.neurons, is_neuron, options.seed, cells);
+  lose_cells(ctx, recipe, "glia", recipe.perturb.glia, is_glia, options.seed, cells);
   add_axons(axons, cells);
   const Bars bars = ask_bars(ctx, recipe, dictionary, pools, cells, options);
   if (options.axons) tell_own_axons(ctx, cells, bars);

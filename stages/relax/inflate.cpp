@@ -48,16 +48,41 @@ std::vector<ClassRadii> class_radii(const Bodies &bodies, const std::vector<doub
 
 std::vector<double> inflated(const Bodies &bodies, const std::vector<double> &radius, double c) {
   std::vector<double> out = radius;
-  for (std::size_t i = 0; i < bodies.points; i++)
-    out[i] += std::min(c, largest_inflation * radius[i]);
+  for (std::size_t i = 0; i < bodies.points; i++) {
+    const double most = largest_inflation * radius[i];
+    out[i] += std::clamp(c, -most, most);
+    if (c < 0) out[i] = std::max(out[i], std::min(radius[i], bodies.floor[i]));
+  }
   return out;
 }
+
+namespace {
+
+// The largest radius change that any point allows.
+double most_change(const Bodies &bodies, const std::vector<double> &radius) {
+  double most = 0;
+  for (std::size_t i = 0; i < bodies.points; i++)
+    most = std::max(most, largest_inflation * radius[i]);
+  return most;
+}
+
+// Between which two c of [0, high] it changes from fits to does not fit.
+template <class Fits> std::pair<double, double> bisect(double high, const Fits &fits) {
+  constexpr int halvings = 20;
+  double low = 0;
+  for (int n = 0; n < halvings; n++) {
+    const double middle = 0.5 * (low + high);
+    (fits(middle) ? low : high) = middle;
+  }
+  return {low, high};
+}
+
+} // namespace
 
 Inflation inflate_to(const Bodies &bodies, const std::vector<double> &radius,
                      const std::vector<double> &target, const std::vector<std::uint32_t> &class_of,
                      std::size_t classes, const glm::dvec3 &side, const Sample &sample, double gap,
                      double asked, const Tolerance &tolerance, Workers &workers) {
-  constexpr int halvings = 20;
   const auto fraction = [&](double c) {
     return fractions_of(bodies, inflated(bodies, radius, c), side, sample, gap, workers).planes;
   };
@@ -79,18 +104,7 @@ Inflation inflate_to(const Bodies &bodies, const std::vector<double> &radius,
   };
   out.fraction = fraction(0);
   if (out.fraction >= asked) return out;
-  double most = 0;
-  for (std::size_t i = 0; i < bodies.points; i++)
-    most = std::max(most, largest_inflation * radius[i]);
-  // Between which two c it changes from fits to does not fit.
-  const auto bisect = [&](double high, const auto &fits) {
-    double low = 0;
-    for (int n = 0; n < halvings; n++) {
-      const double middle = 0.5 * (low + high);
-      (fits(middle) ? low : high) = middle;
-    }
-    return std::pair(low, high);
-  };
+  const double most = most_change(bodies, radius);
   out.c = most, out.stop = Inflation::Stop::quarter;
   if (fraction(most) >= asked) {
     out.c = bisect(most, [&](double c) { return fraction(c) < asked; }).second;
@@ -102,6 +116,22 @@ Inflation inflate_to(const Bodies &bodies, const std::vector<double> &radius,
     out.c = low;
   }
   out.fraction = fraction(out.c);
+  return out;
+}
+
+Inflation deflate_to(const Bodies &bodies, const std::vector<double> &radius, const glm::dvec3 &side,
+                     const Sample &sample, double gap, double asked, Workers &workers) {
+  const auto fraction = [&](double c) {
+    return fractions_of(bodies, inflated(bodies, radius, -c), side, sample, gap, workers).planes;
+  };
+  Inflation out;
+  out.fraction = fraction(0);
+  if (out.fraction <= asked) return out;
+  const double most = most_change(bodies, radius);
+  const bool reaches = fraction(most) <= asked;
+  const double c = reaches ? bisect(most, [&](double less) { return fraction(less) > asked; }).second : most;
+  out.c = -c, out.stop = reaches ? Inflation::Stop::none : Inflation::Stop::quarter;
+  out.fraction = fraction(c);
   return out;
 }
 

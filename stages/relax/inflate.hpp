@@ -24,7 +24,7 @@ std::vector<ClassRadii> class_radii(const Bodies &bodies, const std::vector<doub
                                     const std::vector<double> &target,
                                     const std::vector<std::uint32_t> &class_of, std::size_t classes);
 
-// r + min(c, r / 4) for points; somas stay.
+// r + min(c, r / 4) for points; c below 0 takes as much away, down to their floors. Somas stay.
 std::vector<double> inflated(const Bodies &bodies, const std::vector<double> &radius, double c);
 
 // How far a class may stray from its target: its mean radius upwards, its CV either way.
@@ -38,7 +38,7 @@ struct Inflation {
     quarter,
     mean,
     cv
-  };                   // reached; a quarter of the radius everywhere; a class's tolerance
+  };                   // reached; a quarter of the radius (or a floor) everywhere; a class's tolerance
   double c = 0;        // um
   double fraction = 0; // reached, with contact planes
   Stop stop = Stop::none;
@@ -51,5 +51,10 @@ Inflation inflate_to(const Bodies &bodies, const std::vector<double> &radius,
                      const std::vector<double> &target, const std::vector<std::uint32_t> &class_of,
                      std::size_t classes, const glm::dvec3 &side, const Sample &sample, double gap,
                      double asked, const Tolerance &tolerance, Workers &workers);
+
+// The c below 0 nearest to 0 with which the fraction after contact planes is `asked` or less, or the one that
+// takes most where none does. Bisection.
+Inflation deflate_to(const Bodies &bodies, const std::vector<double> &radius, const glm::dvec3 &side,
+                     const Sample &sample, double gap, double asked, Workers &workers);
 
 } // namespace conceg::relax

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <string>
 
 namespace {
@@ -118,16 +119,18 @@ void log_parted(conceg_ctx *ctx, const Parted &p, double gap) {
                  count(p.before), gap, p.deepest_before, p.largest_move, count(p.after), p.deepest_after);
 }
 
-// Widens `radius` until the cells fill `asked` of the box behind their contact planes, and says how far it
-// came.
+// Widens `radius` until the cells fill `asked` of the box behind their contact planes, or where it may
+// narrows it, and says how far it came.
 void fill_box(conceg_ctx *ctx, const Bodies &bodies, const conceg_box &box, const std::vector<double> &target,
-              const Classes &classes, double gap, double asked, std::vector<double> &radius,
+              const Classes &classes, double gap, double asked, bool shrinks, std::vector<double> &radius,
               Workers &workers) {
   std::vector<double> most = inflated(bodies, radius, 1e9);
   const Sample sample = make_sample(bodies, most, box, sample_points, gap, workers);
   const double before = fractions_of(bodies, radius, side(box), sample, gap, workers).planes;
-  const Inflation done = inflate_to(bodies, radius, target, classes.of_cell, classes.name.size(), side(box),
-                                    sample, gap, asked, Tolerance(), workers);
+  const Inflation done = shrinks && before > asked
+                             ? deflate_to(bodies, radius, side(box), sample, gap, asked, workers)
+                             : inflate_to(bodies, radius, target, classes.of_cell, classes.name.size(),
+                                          side(box), sample, gap, asked, Tolerance(), workers);
   radius = inflated(bodies, radius, done.c);
   conceg_ctx_log(
       ctx, CONCEG_LOG_INFO,
@@ -136,15 +139,27 @@ void fill_box(conceg_ctx *ctx, const Bodies &bodies, const conceg_box &box, cons
   if (done.stop == Inflation::Stop::none) return;
   const std::string name = classes.name[done.of_class];
   const std::string why =
-      done.stop == Inflation::Stop::quarter ? "no radius may grow by more than a quarter"
+      done.stop == Inflation::Stop::quarter ? "no radius may change by more than a quarter"
       : done.stop == Inflation::Stop::mean
           ? "the mean radius of class " + name + " may not be more than 15 % above its target"
           : "the coefficient of variation of the radii of class " + name +
                 " may not be more than 10 % off its target";
-  conceg_ctx_log(
-      ctx, CONCEG_LOG_WARNING,
-      "relax: icvf: asked %.4f, reached %.4f: %s; ask for more cable or thicker processes in the recipe",
-      asked, done.fraction, why.c_str());
+  conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
+                 "relax: icvf: asked %.4f, reached %.4f: %s; ask for %s in the recipe", asked, done.fraction,
+                 why.c_str(),
+                 done.c < 0 ? "a lower perturb.ecs, or for less cable" : "more cable or thicker processes");
+}
+
+// Of the extracellular volume, from the recipe's `perturb`; 1 = unperturbed.
+double ecs_factor(conceg_ctx *ctx, conceg_doc *doc) {
+  double factor = 1;
+  if (!has(doc, "/recipe")) return factor;
+  conceg_recipe *raw = nullptr;
+  must(conceg_recipe_from_doc(ctx, doc, &raw));
+  const std::unique_ptr<conceg_recipe, decltype(&conceg_recipe_free)> recipe(raw, conceg_recipe_free);
+  if (const conceg_node *node = conceg_node_get(conceg_recipe_root(raw), "perturb.ecs"))
+    must(conceg_node_f64(ctx, node, &factor));
+  return factor;
 }
 
 void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
@@ -157,8 +172,8 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
   Collider collider(workers.threads());
   const Strength strength = strength_of(params);
   const Motion motion = motion_of(params);
-  const double contact = conceg_params_f64(params, "contact_overlap_um"),
-               asked = conceg_params_f64(params, "icvf");
+  const double contact = conceg_params_f64(params, "contact_overlap_um"), ecs = ecs_factor(ctx, doc);
+  double asked = conceg_params_f64(params, "icvf");
   Phases phases;
   const std::string table = conceg_params_text(params, "trace"),
                     pictures = conceg_params_text(params, "pictures");
@@ -215,7 +230,12 @@ void relax_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *param
     radius = target;
     cut_radii(bodies, close_pairs(target, 0), sides, -contact, target, radius, workers, progress);
   }
-  if (asked > 0) fill_box(ctx, bodies, box, target, classes, strength.gap, asked, radius, workers);
+  // What the unperturbed run would fill: asked for, or what the cells come to by themselves.
+  if (ecs != 1) asked = 1 - ecs * (1 - (asked > 0 ? asked : fractions(radius).planes));
+  if (asked < 0)
+    fail(CONCEG_E_RANGE, "perturb.ecs: expected an extracellular space of at most the box, got %.3f of it",
+         1 - asked);
+  if (asked > 0) fill_box(ctx, bodies, box, target, classes, strength.gap, asked, ecs != 1, radius, workers);
 
   phases.end("fill");
   std::vector<std::uint8_t> status(bodies.points);

@@ -17,6 +17,9 @@ import time
 # A value other than a bound, and why.
 instead = {
     "triangulate.density_per_um3": ("1", "at the bounds there is one node, or 1e7"),
+    "block.lo_um": ("5", "the lower bound is the default, at the upper one nothing is left"),
+    "block.hi_um": ("12", "the upper bound is the default, at the lower one nothing is left"),
+    "block.margin_um": ("6", "the whole box, which is the default, has no margin"),
     "mesh.h_um": ("0.8", "at the bounds the grid has 1e10 nodes, or holds no cell"),
     "mesh.gap_um": ("0.3", "at the upper bound nothing is left of the cells"),
     "mesh.inflate_um": ("0.1", "at the upper bound one cell fills the box"),
@@ -150,6 +153,7 @@ needs = {
     "export.walkers": ["--to", "mcdc"],
     **{f"export.{name}": ["--to", "mcdc", "--walkers", "10"] for name in ("diffusivity_um2_per_ms", "b_values_ms_per_um2", "directions", "pulse_ms", "separation_ms")},
     "relax.widening_um": ["--rounds", "2"],
+    "block.margin_um": ["--lo-um", "8", "--hi-um", "12"],
     "analyse.composition_cubes": ["--composition"],
     "analyse.structure_pool": ["--structure", "{work}/real.cgx"],
     "analyse.structure_dir": ["--structure", "{work}/real.cgx"],
@@ -235,7 +239,7 @@ class Parameters:
         made = work / "made"
         self.inputs = {
             "place": ["-p", recipe], "triangulate": [made / "01-place.cgx"], "grow": [made / "02-triangulate.cgx"], "relax": [made / "03-grow.cgx"],
-            "mesh": [made / "04-relax.cgx"], "analyse": [work / "mesh.cgx"], "simulate": [work / "mesh.cgx"], "export": [work / "mesh.cgx"], "render": [work / "mesh.cgx"], "report": [work / "tables.cgx"],
+            "block": [made / "04-relax.cgx"], "mesh": [made / "04-relax.cgx"], "analyse": [work / "mesh.cgx"], "simulate": [work / "mesh.cgx"], "export": [work / "mesh.cgx"], "render": [work / "mesh.cgx"], "report": [work / "tables.cgx"],
             "fit": [work / "signals.cgx"],
             "characterise": [work / "cell.swc"], "import": ["swc", work / "loose-trees.swc"],
         }

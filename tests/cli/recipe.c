@@ -75,6 +75,13 @@ static void check_canonical(conceg_ctx *ctx) {
   CHECK_EQUAL(conceg_recipe_parse(ctx, conceg_recipe_text(recipe), "again", &again), CONCEG_OK);
   CHECK_TEXT(conceg_recipe_text(again), conceg_recipe_text(recipe));
   conceg_recipe_free(again);
+  /* A factor of 1 changes nothing and leaves no trace. */
+  CHECK_EQUAL(conceg_recipe_parse(ctx, "conceg: 1\nperturb: {ecs: 1.0, neurons: 0.7}\n", "p", &again),
+              CONCEG_OK);
+  CHECK_TEXT(conceg_recipe_text(again), "conceg: 1\nperturb:\n  neurons: 0.7\n");
+  CHECK_EQUAL(conceg_recipe_set(ctx, again, "perturb.neurons=1"), CONCEG_OK);
+  CHECK_TEXT(conceg_recipe_text(again), "conceg: 1\n");
+  conceg_recipe_free(again);
   node = conceg_node_get(conceg_recipe_root(recipe), "domain.size_um");
   CHECK_EQUAL(conceg_node_count(node), 3);
   CHECK_EQUAL(conceg_node_line(node), 6);
@@ -128,6 +135,11 @@ static void check_grammar(conceg_ctx *ctx) {
          "cable_density_per_um2, or an entry");
   refuse(ctx, "conceg: 1\ntypes: [{name: a, class: axon, entry: b, length_um: 9}]\n", CONCEG_E_PARAM,
          "r.yaml:2: types[0].length_um: only passing axons have it, a type of class axon without entry");
+  refuse(ctx, "conceg: 1\nperturb: {neuron: 0.5}\n", CONCEG_E_PARAM,
+         "r.yaml:2: unknown key perturb.neuron; did you mean neurons?");
+  refuse(ctx, "conceg: 1\nperturb:\n  ecs: 2\n  glia: 20\n", CONCEG_E_PARAM,
+         "r.yaml:4: perturb.glia: expected a factor from 0 to 10, got 20");
+  refuse(ctx, "conceg: 1\nperturb: 0.5\n", CONCEG_E_PARAM, "r.yaml:2: perturb: expected a mapping, got 0.5");
   refuse(ctx, "conceg: 1\ngrow: {lambda: [1]}\n", CONCEG_E_PARAM,
          "r.yaml:2: grow.lambda: expected one value, got [1]");
 }

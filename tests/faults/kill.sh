@@ -30,6 +30,7 @@ for stage in $stages; do
     triangulate) set -- conceg triangulate cp/01-place.cgx ;;
     grow) set -- conceg grow cp/02-triangulate.cgx ;;
     relax) set -- conceg relax cp/03-grow.cgx ;;
+    block) set -- conceg block cp/04-relax.cgx --lo-um 5 --hi-um 20 ;;
     mesh) set -- conceg mesh cp/04-relax.cgx --set mesh.h_um=0.5 ;;
     simulate) set -- conceg simulate mesh.cgx --walkers 2000 --step-ms 0.01 ;;
     analyse) set -- conceg analyse mesh.cgx ;;

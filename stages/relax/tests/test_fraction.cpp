@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Volume fractions against formulas, inflation to a fraction that is known, and the two ways in which it
-// stops.
+// Volume fractions against formulas, inflation and deflation to a fraction that is known, and the ways in
+// which they stop.
 #include "../inflate.hpp"
 #include "check.h"
 #include "scene.hpp"
@@ -70,6 +70,28 @@ void inflation_has_a_known_end() {
   CHECK_NEAR(quarter.c, 0.25 * 0.8, 1e-6);
 }
 
+// The way back: 16 pi r^2 = 0.25 * 100 at r = 0.7052, which is 0.118 of 0.8; to 0.1 a quarter is not enough.
+void deflation_has_a_known_end() {
+  Workers workers(2);
+  const conceg_box box = scene::box_of(10);
+  const Bodies bodies = cables(0.8f);
+  const Sample sample = make_sample(bodies, bodies.radius, box, 100000, 1e-9, workers);
+  const auto to = [&](double asked) {
+    return deflate_to(bodies, bodies.radius, side(box), sample, 1e-9, asked, workers);
+  };
+  const Inflation reached = to(0.25);
+  CHECK(reached.stop == Inflation::Stop::none);
+  CHECK_NEAR(reached.fraction, 0.25, 0.001);
+  CHECK_NEAR(reached.c, std::sqrt(25 / (16 * pi)) - 0.8, 0.01);
+  CHECK_NEAR(inflated(bodies, bodies.radius, reached.c)[5], 0.8 + reached.c, 1e-6);
+  const Inflation quarter = to(0.1);
+  CHECK(quarter.stop == Inflation::Stop::quarter);
+  CHECK_NEAR(quarter.fraction, 16 * pi * 0.36 / 100, 0.003);
+  CHECK_NEAR(to(0.9).c, 0, 0); // there already
+  // No radius falls below its floor: thin cables stay as they are.
+  CHECK_NEAR(inflated(cables(0.1f), cables(0.1f).radius, -1)[5], 0.1, 1e-6);
+}
+
 // Two thin and two thick cables: c is as much for both, until the thin ones have got a quarter.
 void spread_is_kept() {
   Workers workers(2);
@@ -96,6 +118,7 @@ void spread_is_kept() {
 int main() {
   fractions_by_formula();
   inflation_has_a_known_end();
+  deflation_has_a_known_end();
   spread_is_kept();
   return check_done();
 }
