@@ -12,29 +12,39 @@ namespace {
 
 constexpr int most_iterations = 5000;
 
-// The operator on open voxels: sum over the open neighbours of c_a (u_i - u_j), c_a = 1 / spacing_a^2.
+// The operator on open voxels for the slope along one axis: sum over the open neighbours of c_a (u_i - u_j),
+// c_a = 1 / spacing_a^2. Beyond a face that is not periodic there is nothing, but that along the axis itself u
+// is 0 on the face, half a voxel away.
 class CellProblem {
 public:
-  CellProblem(const OpenVoxels &voxels, Workers &workers) : voxels_(voxels), workers_(workers) {
+  CellProblem(const OpenVoxels &voxels, std::size_t axis, Workers &workers)
+      : voxels_(voxels), axis_(axis), workers_(workers) {
     for (std::size_t a = 0; a < 3; a++)
       weight_[a] = 1 / (voxels.spacing[a] * voxels.spacing[a]);
   }
 
   std::size_t size() const { return voxels_.open.size(); }
 
-  // Calls visit(i, on every axis: lower and upper neighbour) for the open voxels of one plane.
+  // Calls visit(i, on every axis: lower and upper neighbour, or `beyond`) for the open voxels of one plane.
   template <class Visit> void plane(std::size_t x, const Visit &visit) const {
     const auto [nx, ny, nz] = voxels_.shape;
-    const std::size_t x_low = (x + nx - 1) % nx, x_high = (x + 1) % nx;
+    const auto low = [&](std::size_t a, std::size_t at) {
+      return at ? at - 1 : voxels_.periodic[a] ? voxels_.shape[a] - 1 : beyond;
+    };
+    const auto high = [&](std::size_t a, std::size_t at) {
+      return at + 1 < voxels_.shape[a] ? at + 1 : voxels_.periodic[a] ? 0 : beyond;
+    };
+    const auto at = [ny = ny, nz = nz](std::size_t i, std::size_t j, std::size_t k) {
+      return i == beyond || j == beyond || k == beyond ? beyond : (i * ny + j) * nz + k;
+    };
+    const std::size_t x_low = low(0, x), x_high = high(0, x);
     for (std::size_t y = 0; y < ny; y++) {
-      const std::size_t y_low = (y + ny - 1) % ny, y_high = (y + 1) % ny;
-      const std::size_t row = (x * ny + y) * nz;
-      for (std::size_t z = 0; z < nz; z++) {
-        if (!voxels_.open[row + z]) continue;
-        visit(row + z, std::array<std::size_t, 6>{(x_low * ny + y) * nz + z, (x_high * ny + y) * nz + z,
-                                                  (x * ny + y_low) * nz + z, (x * ny + y_high) * nz + z,
-                                                  row + (z + nz - 1) % nz, row + (z + 1) % nz});
-      }
+      const std::size_t y_low = low(1, y), y_high = high(1, y), row = (x * ny + y) * nz;
+      for (std::size_t z = 0; z < nz; z++)
+        if (voxels_.open[row + z])
+          visit(row + z, std::array<std::size_t, 6>{at(x_low, y, z), at(x_high, y, z), at(x, y_low, z),
+                                                    at(x, y_high, z), at(x, y, low(2, z)),
+                                                    at(x, y, high(2, z))});
     }
   }
 
@@ -45,32 +55,42 @@ public:
       plane(x, [&](std::size_t i, const std::array<std::size_t, 6> &near) {
         double flux = 0;
         for (std::size_t k = 0; k < 6; k++)
-          if (voxels_.open[near[k]]) flux += weight_[k / 2] * (u[i] - u[near[k]]);
+          if (near[k] == beyond)
+            flux += k / 2 == axis_ ? 2 * weight_[axis_] * u[i] : 0;
+          else if (voxels_.open[near[k]])
+            flux += weight_[k / 2] * (u[i] - u[near[k]]);
         out[i] = flux, product += u[i] * flux;
       });
       return product;
     });
   }
 
-  // What the slope along an axis puts into each voxel: (open above - open below) / spacing.
-  std::vector<double> source(std::size_t axis) const {
+  // What the slope along the axis puts into each voxel: (open above - open below) / spacing.
+  std::vector<double> source() const {
     std::vector<double> out(size(), 0);
     workers_.loop(voxels_.shape[0], 1, [&](std::size_t x, unsigned) {
       plane(x, [&](std::size_t i, const std::array<std::size_t, 6> &near) {
-        out[i] = (voxels_.open[near[2 * axis + 1]] - voxels_.open[near[2 * axis]]) / voxels_.spacing[axis];
+        const auto open = [&](std::size_t j) { return j == beyond ? 1 : voxels_.open[j]; };
+        out[i] = (open(near[2 * axis_ + 1]) - open(near[2 * axis_])) / voxels_.spacing[axis_];
       });
     });
     return out;
   }
 
-  // Mean of the flux along an axis over the open voxels.
-  double mean_flux(const std::vector<double> &u, std::size_t axis) const {
+  // Mean of the flux along the axis over the open voxels. A voxel stands for the way to its upper neighbour;
+  // at a face that is not periodic for half a voxel.
+  double mean_flux(const std::vector<double> &u) const {
     double open = 0;
     const double flux = sum([&](std::size_t x) {
       double part = 0;
       plane(x, [&](std::size_t i, const std::array<std::size_t, 6> &near) {
-        const std::size_t up = near[2 * axis + 1];
-        if (voxels_.open[up]) part += 1 + (u[up] - u[i]) / voxels_.spacing[axis];
+        const std::size_t up = near[2 * axis_ + 1];
+        const double slope = u[i] / voxels_.spacing[axis_];
+        if (near[2 * axis_] == beyond) part += 0.5 * (1 + 2 * slope);
+        if (up == beyond)
+          part += 0.5 * (1 - 2 * slope);
+        else if (voxels_.open[up])
+          part += 1 + u[up] / voxels_.spacing[axis_] - slope;
       });
       return part;
     });
@@ -98,7 +118,9 @@ public:
   }
 
 private:
+  static constexpr std::size_t beyond = std::numeric_limits<std::size_t>::max();
   const OpenVoxels &voxels_;
+  const std::size_t axis_;
   Workers &workers_;
   std::array<double, 3> weight_;
 };
@@ -135,34 +157,15 @@ double Transport::lambda() const {
 
 Transport transport_of(const OpenVoxels &voxels, const std::array<bool, 3> &axes, double tolerance,
                        Workers &workers, const Progress &progress) {
-  const CellProblem problem(voxels, workers);
   Transport out;
-  out.open_fraction = problem.each([&](std::size_t i) { return static_cast<double>(voxels.open[i]); }) /
-                      static_cast<double>(std::max<std::size_t>(1, problem.size()));
+  out.open_fraction = open_fraction(voxels);
   for (std::size_t a = 0; a < 3; a++) {
     if (!axes[a]) continue;
+    const CellProblem problem(voxels, a, workers);
     std::vector<double> u(problem.size(), 0);
-    out.iterations[a] = solve(problem, problem.source(a), tolerance, u, progress);
-    out.ratio[a] = problem.mean_flux(u, a);
+    out.iterations[a] = solve(problem, problem.source(), tolerance, u, progress);
+    out.ratio[a] = problem.mean_flux(u);
   }
-  return out;
-}
-
-OpenVoxels coarser(const OpenVoxels &voxels) {
-  OpenVoxels out;
-  const auto [nx, ny, nz] = voxels.shape;
-  out.shape = {nx / 2, ny / 2, nz / 2};
-  for (std::size_t a = 0; a < 3; a++)
-    out.spacing[a] = 2 * voxels.spacing[a];
-  for (std::size_t x = 0; x < nx / 2; x++)
-    for (std::size_t y = 0; y < ny / 2; y++)
-      for (std::size_t z = 0; z < nz / 2; z++) {
-        int open = 0;
-        for (std::size_t n = 0; n < 8; n++)
-          open += voxels.open[((2 * x + n / 4) * ny + 2 * y + n / 2 % 2) * nz + 2 * z + n % 2];
-        const std::uint8_t lowest = voxels.open[(2 * x * ny + 2 * y) * nz + 2 * z];
-        out.open.push_back(open == 4 ? lowest : open > 4);
-      }
   return out;
 }
 
