@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
-#include <queue>
 #include <utility>
 
 namespace conceg::analyse {
@@ -17,18 +17,30 @@ namespace {
 constexpr float far = std::numeric_limits<float>::infinity();
 constexpr long straight = 3; // voxels around the start whose distance is taken as a straight line
 
-// Voxels by length, the nearest first, equal ones by place: bits of a float from 0 on grow with its value.
+// Voxels by length, the nearest first, equal ones by place. They wait in layers, of which the nearest alone is
+// held as a heap. What is put must lie within `reach` of what was taken last.
 class Front {
 public:
+  Front(double reach, double thick)
+      : thick_(thick), layer_(static_cast<std::size_t>(reach / thick) + 2) {}
   void put(float length, std::size_t i) {
-    std::uint32_t bits;
+    std::uint32_t bits; // of a float from 0 on: they grow with its value
     std::memcpy(&bits, &length, sizeof bits);
-    queue_.push(static_cast<std::uint64_t>(bits) << 32 | i);
+    const auto layer = static_cast<std::size_t>(static_cast<double>(length) / thick_);
+    std::vector<std::uint64_t> &to = layer_[layer % layer_.size()];
+    to.push_back(static_cast<std::uint64_t>(bits) << 32 | i), count_++;
+    if (layer <= now_) std::push_heap(to.begin(), to.end(), std::greater<>());
   }
-  bool empty() const { return queue_.empty(); }
+  bool empty() const { return count_ == 0; }
   std::pair<float, std::size_t> take() {
-    const std::uint64_t key = queue_.top();
-    queue_.pop();
+    while (layer_[now_ % layer_.size()].empty()) {
+      std::vector<std::uint64_t> &next = layer_[++now_ % layer_.size()];
+      std::make_heap(next.begin(), next.end(), std::greater<>());
+    }
+    std::vector<std::uint64_t> &from = layer_[now_ % layer_.size()];
+    std::pop_heap(from.begin(), from.end(), std::greater<>());
+    const std::uint64_t key = from.back();
+    from.pop_back(), count_--;
     const auto bits = static_cast<std::uint32_t>(key >> 32);
     float length;
     std::memcpy(&length, &bits, sizeof length);
@@ -36,7 +48,9 @@ public:
   }
 
 private:
-  std::priority_queue<std::uint64_t, std::vector<std::uint64_t>, std::greater<>> queue_;
+  double thick_;
+  std::vector<std::vector<std::uint64_t>> layer_; // a ring
+  std::size_t now_ = 0, count_ = 0;
 };
 
 // Voxels that a search is to reach: it may end when the last one has its length.
@@ -122,10 +136,20 @@ PathFinder::PathFinder(const OpenVoxels &voxels, Workers &workers, int neighbour
     : voxels_(voxels), march_(voxels, marching_steps(), 2),
       near_(voxels, Steps::around(voxels, neighbours == 6 ? 1 : neighbours == 18 ? 2 : 3), 1),
       straight_(voxels, box_around(voxels, straight), straight), allowed_(voxels.open.size(), 0) {
+  std::vector<std::uint32_t> touched(near_.count(), 0); // per step: bits of those to all voxels that it touches
+  for (std::size_t k = 0; k < near_.count(); k++)
+    for (std::size_t n = 0; n < near_.count(); n++) {
+      bool within = true;
+      for (std::size_t a = 0; a < 3; a++)
+        within = within && (near_.step(n)[a] == 0 || near_.step(n)[a] == near_.step(k)[a]);
+      if (within) touched[k] |= 1u << n;
+    }
   workers.loop(allowed_.size(), 1 << 14, [&](std::size_t i, unsigned) {
     if (!voxels_.open[i]) return;
+    std::uint32_t open = 0;
+    near_.from(i, [&](std::size_t j, std::size_t k) { open |= static_cast<std::uint32_t>(voxels_.open[j]) << k; });
     for (std::size_t k = 0; k < near_.count(); k++)
-      if (all_open(voxels_, near_, i, near_.step(k))) allowed_[i] |= 1u << k;
+      if ((open & touched[k]) == touched[k]) allowed_[i] |= 1u << k;
   });
 }
 
@@ -154,11 +178,14 @@ double PathFinder::length_at(const std::vector<float> &settled, std::size_t i) c
 }
 
 std::vector<float> PathFinder::marched(std::size_t start, const std::vector<std::size_t> &goals) const {
-  std::vector<float> length(voxels_.open.size(), far), settled(voxels_.open.size(), far);
-  Front front;
+  std::vector<float> settled(voxels_.open.size(), far), length(settled.size());
+  for (std::size_t i = 0; i < length.size(); i++)
+    length[i] = voxels_.open[i] ? far : 0.0f; // nothing is less
+  const double widest = largest_spacing(voxels_);
+  Front front(2 * std::sqrt(3.0) * straight * widest, 0.25 * widest);
   Goals left(voxels_.open.size(), goals);
   const auto offer = [&](std::size_t i, double value) {
-    if (!voxels_.open[i] || settled[i] < far || !(static_cast<float>(value) < length[i])) return;
+    if (!(static_cast<float>(value) < length[i])) return;
     length[i] = static_cast<float>(value);
     front.put(length[i], i);
   };
@@ -168,14 +195,17 @@ std::vector<float> PathFinder::marched(std::size_t start, const std::vector<std:
   });
   while (!front.empty()) {
     const auto [value, i] = front.take();
-    if (settled[i] < far || value > length[i]) continue;
+    if (settled[i] < far) continue;
     settled[i] = value;
     if (left.reached(i)) break;
     for (std::size_t axis = 0; axis < 3; axis++)
       for (std::size_t side = 0; voxels_.shape[axis] > 1 && side < 2; side++) {
         const std::size_t j = march_.to(i, 4 * axis + side);
-        if (j != Steps::outside && voxels_.open[j] && !(settled[j] < far))
-          offer(j, std::max(static_cast<double>(value), length_at(settled, j)));
+        if (j == Steps::outside || !(value < length[j])) continue; // settled, closed, or as near already
+        // Where the neighbour on the other side was settled before, it is nearer: nothing changes.
+        const std::size_t other = march_.to(j, 4 * axis + side);
+        if (other != Steps::outside && other != i && settled[other] < value) continue;
+        offer(j, std::max(static_cast<double>(value), length_at(settled, j)));
       }
   }
   return settled;
