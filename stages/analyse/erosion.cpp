@@ -10,6 +10,7 @@ namespace {
 
 constexpr double deepest_voxels = 32;
 constexpr std::size_t bins = 32000; // of depth
+constexpr std::size_t finest = 8;   // times smaller than the labels' voxels
 
 double voxel_of(const LabelGrid &g) {
   return std::sqrt(g.spacing[0] * g.spacing[1]);
@@ -116,6 +117,40 @@ void each_fine(const LabelGrid &grid, const std::vector<float> &distance, std::s
       visit(fine.depth(x, y), x, y);
 }
 
+// The depth at which the planes are as open as asked.
+struct Depth {
+  std::size_t bin; // depth = bin / bins of the deepest
+  double open_fraction, without_label;
+};
+
+Depth depth_for(double asked, const LabelGrid &grid, const std::vector<float> &distance,
+                const std::vector<std::size_t> &plane, std::size_t refine, double bin, Workers &workers) {
+  std::vector<std::vector<std::uint64_t>> parts(plane.size());
+  workers.loop(plane.size(), 1, [&](std::size_t s, unsigned) {
+    std::vector<std::uint64_t> &count = parts[s];
+    count.assign(bins + 2, 0); // the first: without label
+    each_fine(grid, distance, plane[s], refine, [&](double depth, std::size_t, std::size_t) {
+      count[depth < 0 ? 0 : 1 + bin_of(depth, bin)]++;
+    });
+  });
+  std::vector<std::uint64_t> count(bins + 2, 0);
+  for (const std::vector<std::uint64_t> &part : parts)
+    for (std::size_t k = 0; k < count.size(); k++)
+      count[k] += part[k];
+  const double all = static_cast<double>(grid.shape[0] * grid.shape[1] * plane.size() * refine * refine),
+               wanted = asked * all;
+  double open = static_cast<double>(count[0]);
+  if (open > wanted)
+    fail(CONCEG_E_RANGE, "erode_to: %g asked for, but %.4f have no label", asked, open / all);
+  std::size_t k = 0; // to the bin that comes nearest
+  while (k < bins && std::abs(open + static_cast<double>(count[1 + k]) - wanted) <= std::abs(open - wanted))
+    open += static_cast<double>(count[1 + k++]);
+  if (k == bins)
+    fail(CONCEG_E_RANGE, "erode_to: %g needs more than %g um off the membranes, which is as far as is looked",
+         asked, static_cast<double>(bins) * bin);
+  return {k, open / all, static_cast<double>(count[0]) / all};
+}
+
 } // namespace
 
 std::vector<float> membrane_distances(const LabelGrid &grid, double deepest_um, Workers &workers) {
@@ -142,44 +177,28 @@ Erosion erode(LabelGrid &grid, const ErosionSettings &settings, Workers &workers
   std::vector<std::size_t> plane;
   for (std::size_t z = std::min(nz - 1, settings.between / 2); z < nz; z += settings.between)
     plane.push_back(z);
-  std::vector<std::vector<std::uint64_t>> parts(plane.size());
-  workers.loop(plane.size(), 1, [&](std::size_t s, unsigned) {
-    std::vector<std::uint64_t> &count = parts[s];
-    count.assign(bins + 2, 0); // the first: without label
-    each_fine(grid, distance, plane[s], settings.refine, [&](double depth, std::size_t, std::size_t) {
-      count[depth < 0 ? 0 : 1 + bin_of(depth, bin)]++;
-    });
-  });
-  std::vector<std::uint64_t> count(bins + 2, 0);
-  for (const std::vector<std::uint64_t> &part : parts)
-    for (std::size_t k = 0; k < count.size(); k++)
-      count[k] += part[k];
-  const double all = static_cast<double>(nx * ny * plane.size() * settings.refine * settings.refine),
-               wanted = settings.open_fraction * all;
+  // A cleft of twice the depth is to be four voxels wide.
+  std::size_t refine = settings.refine;
+  Depth found = {};
+  for (;; refine *= 2) {
+    found = depth_for(settings.open_fraction, grid, distance, plane, refine, bin, workers);
+    if (voxel_of(grid) / static_cast<double>(refine) <= 0.5 * static_cast<double>(found.bin) * bin ||
+        2 * refine > finest)
+      break;
+  }
   Erosion out;
-  double open = static_cast<double>(count[0]);
-  out.without_label = open / all;
-  if (open > wanted)
-    fail(CONCEG_E_RANGE, "erode_to: %g asked for, but %.4f have no label", settings.open_fraction,
-         out.without_label);
-  std::size_t k = 0;
-  // The bin that is nearest to what is asked for.
-  while (k < bins && std::abs(open + static_cast<double>(count[1 + k]) - wanted) <= std::abs(open - wanted))
-    open += static_cast<double>(count[1 + k++]);
-  if (k == bins)
-    fail(CONCEG_E_RANGE, "erode_to: %g needs more than %g um off the membranes, which is as far as is looked",
-         settings.open_fraction, deepest);
-  out.depth = static_cast<double>(k) * bin, out.open_fraction = open / all;
+  out.depth = static_cast<double>(found.bin) * bin;
+  out.open_fraction = found.open_fraction, out.without_label = found.without_label;
   out.sections.resize(plane.size());
   workers.loop(plane.size(), 1, [&, nx = nx, ny = ny](std::size_t s, unsigned) {
     OpenVoxels &section = out.sections[s];
-    const auto fine = static_cast<double>(settings.refine);
-    section.shape = {nx * settings.refine, ny * settings.refine, 1};
+    const auto fine = static_cast<double>(refine);
+    section.shape = {nx * refine, ny * refine, 1};
     section.spacing = {grid.spacing[0] / fine, grid.spacing[1] / fine, grid.spacing[2]};
     section.periodic = {false, false, false};
     section.open.reserve(section.shape[0] * section.shape[1]);
-    each_fine(grid, distance, plane[s], settings.refine, [&](double depth, std::size_t, std::size_t) {
-      section.open.push_back(depth < 0 || bin_of(depth, bin) < k);
+    each_fine(grid, distance, plane[s], refine, [&](double depth, std::size_t, std::size_t) {
+      section.open.push_back(depth < 0 || bin_of(depth, bin) < found.bin);
     });
   });
   std::uint64_t left = 0;

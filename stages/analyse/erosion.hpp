@@ -23,13 +23,15 @@ struct Erosion {
   double depth = 0;            // um, from each membrane
   double open_fraction = 0;    // of the sections
   double without_label = 0;    // share of the voxels that had no label before
-  std::vector<OpenVoxels> sections; // across z, every `between` planes, of voxels `refine` times smaller
+  std::vector<OpenVoxels> sections; // across z, every `between` planes
   double labels_open_fraction = 0;  // of the labels that are left, at their own voxels
 };
 
 struct ErosionSettings {
   double open_fraction = 0.2; // asked for, of the sections
-  std::size_t between = 8, refine = 4;
+  std::size_t between = 8;
+  std::size_t refine = 2; // voxels of the sections are at least so many times smaller, and up to 8 times where
+                          // that is needed for clefts to be four voxels wide
 };
 
 // The depth at which the sections are as open as asked, within the steps of a histogram of 1/1000 voxel, and

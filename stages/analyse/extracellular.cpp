@@ -220,7 +220,7 @@ private:
                      name_of(medium).c_str(), settings.least);
     };
     if (!medium.voxels.open.empty()) add(3, {medium.voxels});
-    settings.starts = 4 * settings.starts, settings.ends = settings.ends / 4; // several in each section
+    settings.starts *= 2, settings.ends /= 2; // several in each section
     add(2, medium.sections);
   }
 

@@ -332,6 +332,12 @@ double median_radius(const OpenVoxels &voxels, Workers &workers) {
   for (std::size_t i = 0; i < radius.size(); i++)
     if (voxels.open[i]) open.push_back(radius[i]);
   if (open.empty()) return 0;
+  if (open.size() == radius.size()) {
+    double longest = 0;
+    for (std::size_t a = 0; a < 3; a++)
+      longest = std::max(longest, voxels.spacing[a] * static_cast<double>(voxels.shape[a]));
+    return 0.5 * longest;
+  }
   const auto middle = open.begin() + static_cast<std::ptrdiff_t>(open.size() / 2);
   std::nth_element(open.begin(), middle, open.end());
   return static_cast<double>(*middle);

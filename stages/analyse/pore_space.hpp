@@ -31,7 +31,8 @@ struct PoreSpace {
 // section in 2-D. In a medium without closed voxels all are 0.
 std::vector<float> pore_radii(const OpenVoxels &voxels, Workers &workers);
 
-// Median of the radii of all open voxels, which is a quarter of the width of a flat cleft; 0 without any.
+// Median of the radii of all open voxels, which is a quarter of the width of a flat cleft; 0 without any, half
+// of the longest side when all are open.
 double median_radius(const OpenVoxels &voxels, Workers &workers);
 
 // Over all of the given media, such as the sections of one. Where an axis is not periodic nothing is known

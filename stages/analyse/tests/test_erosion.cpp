@@ -58,7 +58,7 @@ void squares() {
       return static_cast<std::uint32_t>(1 + x / 20 + 10 * (y / 20) + 100 * (z % 2)); // others in each section
     });
     ErosionSettings settings;
-    settings.open_fraction = asked, settings.between = 2;
+    settings.open_fraction = asked, settings.between = 2, settings.refine = 4;
     Workers workers(2);
     const Erosion e = erode(g, settings, workers);
     // Outer membranes are those of the box, and no membranes: 9 of 10 along each axis.
