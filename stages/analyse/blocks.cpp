@@ -41,11 +41,9 @@ std::vector<Over> faces_over(const Meshes &meshes, const conceg_box &box, const 
       const Flat flat = flatten(meshes, 0, 1, 2, k, f);
       const auto [low_x, high_x] = std::minmax({flat.u[0], flat.u[1], flat.u[2]});
       const auto [low_y, high_y] = std::minmax({flat.v[0], flat.v[1], flat.v[2]});
-      const Lifts x =
-          lifts(low_x, high_x, block.lo.x, block.lo.x + block.side, side_x, box.periodic[0] != 0);
+      const Lifts x = lifts(low_x, high_x, block.lo.x, block.lo.x + block.side, side_x, box.periodic[0] != 0);
       if (x.first > x.last) continue;
-      const Lifts y =
-          lifts(low_y, high_y, block.lo.y, block.lo.y + block.side, side_y, box.periodic[1] != 0);
+      const Lifts y = lifts(low_y, high_y, block.lo.y, block.lo.y + block.side, side_y, box.periodic[1] != 0);
       for (long i = x.first; i <= x.last; i++)
         for (long j = y.first; j <= y.last; j++)
           out.push_back({static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(f), static_cast<int>(i),
@@ -69,7 +67,7 @@ public:
     change_[0] += sign * static_cast<long>(below);
     const double image = periodic_ ? at - (below - 1) * length_ : at;
     if (!periodic_ && below < 1) return;
-    for (double next = image; ; next += length_) {
+    for (double next = image;; next += length_) {
       const double voxel = std::ceil((next - first_) / step_);
       if (voxel >= static_cast<double>(change_.size())) break;
       change_[static_cast<std::size_t>(std::max(0.0, voxel))] -= sign;

@@ -20,9 +20,9 @@ struct LabelGrid {
 std::vector<float> membrane_distances(const LabelGrid &grid, double deepest_um, Workers &workers);
 
 struct Erosion {
-  double depth = 0;            // um, from each membrane
-  double open_fraction = 0;    // of the sections
-  double without_label = 0;    // share of the voxels that had no label before
+  double depth = 0;                 // um, from each membrane
+  double open_fraction = 0;         // of the sections
+  double without_label = 0;         // share of the voxels that had no label before
   std::vector<OpenVoxels> sections; // across z, every `between` planes
   double labels_open_fraction = 0;  // of the labels that are left, at their own voxels
 };
@@ -30,8 +30,8 @@ struct Erosion {
 struct ErosionSettings {
   double open_fraction = 0.2; // asked for, of the sections
   std::size_t between = 8;
-  std::size_t refine = 2; // voxels of the sections are at least so many times smaller, and up to 8 times where
-                          // that is needed for clefts to be four voxels wide
+  std::size_t refine = 2; // voxels of the sections are at least so many times smaller, and up to 8 times
+                          // where that is needed for clefts to be four voxels wide
 };
 
 // The depth at which the sections are as open as asked, within the steps of a histogram of 1/1000 voxel, and

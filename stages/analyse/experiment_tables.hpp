@@ -5,8 +5,8 @@
 #include "composition.hpp"
 #include "paths.hpp"
 #include "spectrum.hpp"
-#include "transport.hpp"
 #include "statistics_table.hpp"
+#include "transport.hpp"
 
 #include <string>
 
@@ -28,7 +28,7 @@ Table spectrum_fit_table(const std::vector<ClassSpectrum> &spectra); // a row pe
 
 // What a row of the tables below was measured in.
 struct Source {
-  std::uint64_t block;  // 0 = the whole box
+  std::uint64_t block; // 0 = the whole box
   double ecs_fraction;
   double erosion, voxel; // um
 };

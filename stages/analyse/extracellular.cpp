@@ -31,10 +31,10 @@ struct Wanted {
 
 class Extracellular {
 public:
-  Extracellular(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, const ExtracellularInput &input,
-                Workers &workers)
-      : ctx_(ctx), doc_(doc), params_(params), input_(input), workers_(workers),
-        wanted_{flag("pores"), flag("paths"), flag("transport")} {}
+  Extracellular(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params,
+                const ExtracellularInput &input, Workers &workers)
+      : ctx_(ctx), doc_(doc), params_(params), input_(input),
+        workers_(workers), wanted_{flag("pores"), flag("paths"), flag("transport")} {}
 
   void run() {
     const double erode_to = conceg_params_f64(params_, "erode_to");
@@ -66,11 +66,10 @@ private:
   }
   void need_labels(const char *what) const {
     if (!input_.has_labels)
-      fail(CONCEG_E_MISSING, "%s: the document has no /volumes/label; mesh with mesh.volume_step_um=0.25", what);
+      fail(CONCEG_E_MISSING, "%s: the document has no /volumes/label; mesh with mesh.volume_step_um=0.25",
+           what);
   }
-  const char *first_wanted() const {
-    return wanted_.pores ? "pores" : wanted_.paths ? "paths" : "transport";
-  }
+  const char *first_wanted() const { return wanted_.pores ? "pores" : wanted_.paths ? "paths" : "transport"; }
 
   void as_they_are(std::size_t blocks) {
     if (flag("composition")) {
@@ -86,7 +85,8 @@ private:
       conceg_ctx_log(ctx_, CONCEG_LOG_WARNING,
                      "analyse: %s: void: voxels of %g x %g x %g um are not of one size; import with "
                      "import.resample_um, or look at sections with analyse.erode_to",
-                     first_wanted(), whole.voxels.spacing[0], whole.voxels.spacing[1], whole.voxels.spacing[2]);
+                     first_wanted(), whole.voxels.spacing[0], whole.voxels.spacing[1],
+                     whole.voxels.spacing[2]);
       return;
     }
     for (std::size_t z = 0; z < whole.voxels.shape[2]; z += between)
@@ -107,22 +107,23 @@ private:
     Medium medium;
     {
       Erosion found = erode(grid, settings, workers_);
-      conceg_ctx_log(ctx_, CONCEG_LOG_RESULT,
-                     "analyse: erosion: %.4f um off each membrane, in sections across z: extracellular space "
-                     "%.4f of %zu sections at voxels of %.4g um (asked %g; %.4f had no label), %.4f of the labels",
-                     found.depth, found.open_fraction, found.sections.size(),
-                     largest_in_plane(found.sections[0]), erode_to, found.without_label,
-                     found.labels_open_fraction);
+      conceg_ctx_log(
+          ctx_, CONCEG_LOG_RESULT,
+          "analyse: erosion: %.4f um off each membrane, in sections across z: extracellular space "
+          "%.4f of %zu sections at voxels of %.4g um (asked %g; %.4f had no label), %.4f of the labels",
+          found.depth, found.open_fraction, found.sections.size(), largest_in_plane(found.sections[0]),
+          erode_to, found.without_label, found.labels_open_fraction);
       medium.sections = std::move(found.sections);
       medium.erosion = found.depth, medium.ecs_fraction = found.open_fraction;
     }
     if (flag("composition"))
-      composition(LabelRuns({static_cast<std::uint32_t>(grid.shape[0]), static_cast<std::uint32_t>(grid.shape[1]),
-                             static_cast<std::uint32_t>(grid.shape[2])},
-                            [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-                              return grid.label[(x * grid.shape[1] + y) * grid.shape[2] + z];
-                            },
-                            workers_),
+      composition(LabelRuns(
+                      {static_cast<std::uint32_t>(grid.shape[0]), static_cast<std::uint32_t>(grid.shape[1]),
+                       static_cast<std::uint32_t>(grid.shape[2])},
+                      [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+                        return grid.label[(x * grid.shape[1] + y) * grid.shape[2] + z];
+                      },
+                      workers_),
                   volume.spacing, medium.erosion);
     grid.label = {};
     if (wanted_.transport)
@@ -140,12 +141,16 @@ private:
       fail(CONCEG_E_MISSING, "blocks: the document has no /meshes; they are made by conceg mesh");
     const double side = conceg_params_f64(params_, "block_um"),
                  asked = conceg_params_f64(params_, "block_voxel_um"),
-                 voxel = asked > 0 ? asked : input_.median_distance > 0 ? input_.median_distance : 0.1;
+                 voxel = asked > 0                    ? asked
+                         : input_.median_distance > 0 ? 0.5 * input_.median_distance
+                                                      : 0.05;
     const auto voxels = 2 * static_cast<std::size_t>(std::ceil(0.5 * side / voxel - 1e-9));
-    const double bytes = 45.0 * std::pow(static_cast<double>(voxels), 3); // of the cell problem, which is the most
+    const double bytes =
+        45.0 * std::pow(static_cast<double>(voxels), 3); // of the cell problem, which is the most
     if (bytes > static_cast<double>(conceg_ctx_memory(ctx_)))
-      fail(CONCEG_E_NOMEM, "block_voxel_um: %zu voxels a side take %.3g GB, more than --memory; give smaller "
-                           "blocks or larger voxels",
+      fail(CONCEG_E_NOMEM,
+           "block_voxel_um: %zu voxels a side take %.3g GB, more than --memory; give smaller "
+           "blocks or larger voxels",
            voxels, 1e-9 * bytes);
     const Meshes meshes = input_.meshes();
     std::uint64_t number = 0;
@@ -158,7 +163,8 @@ private:
         medium.sections.push_back(section(medium.voxels, 2, z));
       const double median = median_radius(medium.voxels, workers_);
       const bool valid = analyse(medium, median, "give analyse.block_voxel_um");
-      add_block(blocks_, medium.block, block.lo, side, medium.voxels, median, open_pieces(medium.voxels), valid);
+      add_block(blocks_, medium.block, block.lo, side, medium.voxels, median, open_pieces(medium.voxels),
+                valid);
     }
   }
 
@@ -169,10 +175,11 @@ private:
     const double voxel = largest_in_plane(first);
     if (!medium.voxels.open.empty()) medium.ecs_fraction = open_fraction(medium.voxels);
     if (voxel > median) {
-      conceg_ctx_log(ctx_, CONCEG_LOG_WARNING,
-                     "analyse: %s%s: void: voxels of %g um are wider than a quarter of the median cleft of %g "
-                     "um; %s=%.3g or smaller",
-                     first_wanted(), name_of(medium).c_str(), voxel, 4 * median, remedy, median);
+      conceg_ctx_log(
+          ctx_, CONCEG_LOG_WARNING,
+          "analyse: %s%s: void: voxels of %g um are wider than a quarter of the median cleft of %g "
+          "um; %s=%.3g or smaller",
+          first_wanted(), name_of(medium).c_str(), voxel, 4 * median, remedy, median);
       return false;
     }
     if (wanted_.transport && !medium.voxels.open.empty()) transport(medium);
@@ -239,10 +246,10 @@ private:
                                           input_.box.periodic[2] != 0};
     const Composition found = composition_of(runs, spacing, periodic, settings, workers_, progress());
     if (!found.rows.empty() && found.rows.back().side < 0.99 * settings.largest)
-      conceg_ctx_log(ctx_, CONCEG_LOG_WARNING, "analyse: composition: void beyond %g um, where the box ends%s",
-                     found.rows.back().side,
-                     found.beyond_somas.rows < 3 ? "; the box is too small for an exponent beyond somas (15 um)"
-                                                 : "");
+      conceg_ctx_log(
+          ctx_, CONCEG_LOG_WARNING, "analyse: composition: void beyond %g um, where the box ends%s",
+          found.rows.back().side,
+          found.beyond_somas.rows < 3 ? "; the box is too small for an exponent beyond somas (15 um)" : "");
     write(composition_table(found, erosion)), write(composition_fit_table(found, erosion));
   }
 

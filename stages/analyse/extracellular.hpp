@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The analyses of voxels that the stage runs: composition of the labels, and pores, paths and transport of the
-// extracellular space, in the whole box, in sections of eroded labels, or in blocks cut out of the meshes.
+// The analyses of voxels that the stage runs: composition of the labels, and pores, paths and transport of
+// the extracellular space, in the whole box, in sections of eroded labels, or in blocks cut out of the
+// meshes.
 #pragma once
 
 #include "experiment_tables.hpp"

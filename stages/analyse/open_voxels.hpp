@@ -16,7 +16,7 @@ namespace conceg::analyse {
 struct OpenVoxels {
   std::array<std::size_t, 3> shape;
   std::vector<std::uint8_t> open;
-  std::array<double, 3> spacing;                        // um
+  std::array<double, 3> spacing;                       // um
   std::array<bool, 3> periodic = {{true, true, true}}; // else nothing is known beyond the faces of that axis
 };
 

@@ -17,12 +17,11 @@ namespace {
 constexpr float far = std::numeric_limits<float>::infinity();
 constexpr long straight = 3; // voxels around the start whose distance is taken as a straight line
 
-// Voxels by length, the nearest first, equal ones by place. They wait in layers, of which the nearest alone is
-// held as a heap. What is put must lie within `reach` of what was taken last.
+// Voxels by length, the nearest first, equal ones by place. They wait in layers, of which the nearest alone
+// is held as a heap. What is put must lie within `reach` of what was taken last.
 class Front {
 public:
-  Front(double reach, double thick)
-      : thick_(thick), layer_(static_cast<std::size_t>(reach / thick) + 2) {}
+  Front(double reach, double thick) : thick_(thick), layer_(static_cast<std::size_t>(reach / thick) + 2) {}
   void put(float length, std::size_t i) {
     std::uint32_t bits; // of a float from 0 on: they grow with its value
     std::memcpy(&bits, &length, sizeof bits);
@@ -134,9 +133,14 @@ bool all_open(const OpenVoxels &v, const Steps &steps, std::size_t from, const S
 
 PathFinder::PathFinder(const OpenVoxels &voxels, Workers &workers, int neighbours)
     : voxels_(voxels), march_(voxels, marching_steps(), 2),
-      near_(voxels, Steps::around(voxels, neighbours == 6 ? 1 : neighbours == 18 ? 2 : 3), 1),
+      near_(voxels,
+            Steps::around(voxels, neighbours == 6    ? 1
+                                  : neighbours == 18 ? 2
+                                                     : 3),
+            1),
       straight_(voxels, box_around(voxels, straight), straight), allowed_(voxels.open.size(), 0) {
-  std::vector<std::uint32_t> touched(near_.count(), 0); // per step: bits of those to all voxels that it touches
+  std::vector<std::uint32_t> touched(near_.count(),
+                                     0); // per step: bits of those to all voxels that it touches
   for (std::size_t k = 0; k < near_.count(); k++)
     for (std::size_t n = 0; n < near_.count(); n++) {
       bool within = true;
@@ -147,7 +151,8 @@ PathFinder::PathFinder(const OpenVoxels &voxels, Workers &workers, int neighbour
   workers.loop(allowed_.size(), 1 << 14, [&](std::size_t i, unsigned) {
     if (!voxels_.open[i]) return;
     std::uint32_t open = 0;
-    near_.from(i, [&](std::size_t j, std::size_t k) { open |= static_cast<std::uint32_t>(voxels_.open[j]) << k; });
+    near_.from(
+        i, [&](std::size_t j, std::size_t k) { open |= static_cast<std::uint32_t>(voxels_.open[j]) << k; });
     for (std::size_t k = 0; k < near_.count(); k++)
       if ((open & touched[k]) == touched[k]) allowed_[i] |= 1u << k;
   });
@@ -211,8 +216,8 @@ std::vector<float> PathFinder::marched(std::size_t start, const std::vector<std:
   return settled;
 }
 
-// Dijkstra's search. Voxels wait in layers as thick as the shortest step, so what is taken from one layer adds
-// to later ones only, and the order within a layer does not matter (Dial 1969).
+// Dijkstra's search. Voxels wait in layers as thick as the shortest step, so what is taken from one layer
+// adds to later ones only, and the order within a layer does not matter (Dial 1969).
 std::vector<float> PathFinder::stepped(std::size_t start, const std::vector<std::size_t> &goals) const {
   std::vector<float> length(voxels_.open.size(), far);
   if (!voxels_.open[start] || !near_.count()) return length;
@@ -279,7 +284,8 @@ bool wide_enough(const OpenVoxels &v, double least) {
   double shortest = std::numeric_limits<double>::infinity();
   for (std::size_t a = 0; a < 3; a++)
     if (v.shape[a] > 1)
-      shortest = std::min(shortest, v.spacing[a] * static_cast<double>(v.shape[a]) * (v.periodic[a] ? 0.5 : 1));
+      shortest =
+          std::min(shortest, v.spacing[a] * static_cast<double>(v.shape[a]) * (v.periodic[a] ? 0.5 : 1));
   return least < shortest;
 }
 

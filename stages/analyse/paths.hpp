@@ -24,8 +24,8 @@ public:
   std::vector<float> marched(std::size_t start, const std::vector<std::size_t> &goals) const;
 
   // The same along steps from voxel to voxel, as searches on a grid (A*) give them. A diagonal step needs all
-  // voxels that it touches to be open. Even in empty space such paths are longer than straight lines, by up to
-  // 73 %. Beyond goals lengths are not final.
+  // voxels that it touches to be open. Even in empty space such paths are longer than straight lines, by up
+  // to 73 %. Beyond goals lengths are not final.
   std::vector<float> stepped(std::size_t start, const std::vector<std::size_t> &goals) const;
 
 private:

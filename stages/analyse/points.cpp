@@ -141,8 +141,8 @@ FaceTable index_faces(const Meshes &meshes, const conceg_box &box, const Columns
       report(progress, "analyse: index faces", static_cast<std::uint64_t>(pass) * meshes.cell.size() + k,
              2 * meshes.cell.size());
       for (std::size_t f = meshes.face_offset[k]; f < meshes.face_offset[k + 1]; f++)
-        for_each_column(box, columns, flatten(meshes, columns.u, columns.v, columns.ray, k, f), static_cast<std::uint32_t>(f),
-                        [&](std::size_t c, const Reference &r) {
+        for_each_column(box, columns, flatten(meshes, columns.u, columns.v, columns.ray, k, f),
+                        static_cast<std::uint32_t>(f), [&](std::size_t c, const Reference &r) {
                           if (pass == 0)
                             table.offset[c + 1]++;
                           else
@@ -189,8 +189,8 @@ PointShare locate_points(const Meshes &meshes, const conceg_box &box, std::uint6
       std::vector<std::int64_t> winding(here, 0);
       for (std::uint64_t r = over.offset[c]; r < over.offset[c + 1]; r++) {
         const Reference &reference = over.reference[r];
-        const Flat flat = flatten(meshes, columns.u, columns.v, columns.ray, surface_of(reference.face),
-                                  reference.face);
+        const Flat flat =
+            flatten(meshes, columns.u, columns.v, columns.ray, surface_of(reference.face), reference.face);
         const double shift_u = reference.lift_u * columns.side_u, shift_v = reference.lift_v * columns.side_v;
         for (std::size_t i = 0; i < here; i++) {
           double at;

@@ -98,8 +98,8 @@ public:
     const std::array<std::size_t, 3> at = {i / (ny * nz), i / nz % ny, i % nz};
     for (std::size_t a = 0; a < 3; a++)
       if (!v_.periodic[a] && v_.shape[a] > 1)
-        least = std::min(
-            least, (static_cast<double>(std::min(at[a], v_.shape[a] - 1 - at[a])) + 0.5) * v_.spacing[a]);
+        least = std::min(least, (static_cast<double>(std::min(at[a], v_.shape[a] - 1 - at[a])) + 0.5) *
+                                    v_.spacing[a]);
     return least;
   }
 
@@ -129,7 +129,8 @@ std::vector<std::size_t> maxima(const OpenVoxels &v, const Steps &steps, const s
       std::uint32_t a = find(i), b = find(static_cast<std::uint32_t>(j));
       if (a == b) return;
       if (radius[a] < radius[b] || (radius[a] == radius[b] && a > b)) std::swap(a, b);
-      if (b != i && static_cast<double>(radius[b]) - static_cast<double>(radius[i]) >= least) out.push_back(b);
+      if (b != i && static_cast<double>(radius[b]) - static_cast<double>(radius[i]) >= least)
+        out.push_back(b);
       top[b] = a;
     });
   }
@@ -196,7 +197,8 @@ private:
   }
   std::uint64_t ball_plane(std::size_t i, long dx, std::size_t x) {
     const auto [nx, ny, nz] = v_.shape;
-    const long y = static_cast<long>(i / nz % ny), z = static_cast<long>(i % nz), deep = static_cast<long>(nz);
+    const long y = static_cast<long>(i / nz % ny), z = static_cast<long>(i % nz),
+               deep = static_cast<long>(nz);
     const double r = static_cast<double>(radius_[i]), a = static_cast<double>(dx) * v_.spacing[0];
     std::uint64_t painted = 0;
     const long reach = reach_of(1, i);
@@ -260,8 +262,8 @@ std::vector<float> thicknesses(const OpenVoxels &v, const std::vector<float> &ra
   return thick;
 }
 
-// Lengths of open runs along one axis. On a periodic one a run goes on over the face of the box, and lines that
-// are open all along have no chord; on others runs that reach a face have none.
+// Lengths of open runs along one axis. On a periodic one a run goes on over the face of the box, and lines
+// that are open all along have no chord; on others runs that reach a face have none.
 void add_chords(const OpenVoxels &v, std::size_t axis, std::vector<double> &out) {
   const std::array<std::size_t, 3> stride = {v.shape[1] * v.shape[2], v.shape[2], 1};
   const std::size_t n = v.shape[axis];

@@ -26,13 +26,13 @@ struct PoreSpace {
   Distribution chords;    // lengths of the straight runs along the axes
 };
 
-// Radius of each voxel: distance to the nearest centre of a closed voxel less half a voxel, over all images on
-// periodic axes; 0 in closed voxels. All voxels must be of about one size; one plane (a side of 1) is a
+// Radius of each voxel: distance to the nearest centre of a closed voxel less half a voxel, over all images
+// on periodic axes; 0 in closed voxels. All voxels must be of about one size; one plane (a side of 1) is a
 // section in 2-D. In a medium without closed voxels all are 0.
 std::vector<float> pore_radii(const OpenVoxels &voxels, Workers &workers);
 
-// Median of the radii of all open voxels, which is a quarter of the width of a flat cleft; 0 without any, half
-// of the longest side when all are open.
+// Median of the radii of all open voxels, which is a quarter of the width of a flat cleft; 0 without any,
+// half of the longest side when all are open.
 double median_radius(const OpenVoxels &voxels, Workers &workers);
 
 // Over all of the given media, such as the sections of one. Where an axis is not periodic nothing is known

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Faces as rays along an axis see them. Which side of an edge a ray passes is computed on the same ordered edge
-// for both of its faces, so that no ray slips between them.
+// Faces as rays along an axis see them. Which side of an edge a ray passes is computed on the same ordered
+// edge for both of its faces, so that no ray slips between them.
 #pragma once
 
 #include "tissue.hpp"

@@ -275,10 +275,9 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
   else
     leave_out("/bars", "asked and achieved bars");
 
-  for (const char *name :
-       {"summary", "class", "type", "neurite", "bars", "morphometry", "cell", "comparison", "comparison_bars",
-        "composition", "composition_fit", "spectrum", "spectrum_fit", "transport", "pore_space", "paths",
-        "blocks"})
+  for (const char *name : {"summary", "class", "type", "neurite", "bars", "morphometry", "cell", "comparison",
+                           "comparison_bars", "composition", "composition_fit", "spectrum", "spectrum_fit",
+                           "transport", "pore_space", "paths", "blocks"})
     must(conceg_doc_drop(doc, (std::string("/statistics/") + name).c_str()));
   for (const Table &table :
        {summary_table(cells, measures), class_table(cells, measures), type_table(cells, measures),
@@ -291,8 +290,9 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
   if (conceg_params_bool(params, "compare")) compare_document(ctx, doc, cells, workers);
   const bool labels = has(doc, "/volumes/label") && has(doc, "/volumes@spacing");
   measure_extracellular(ctx, doc, params,
-                        {labels, has(doc, "/meshes/vertex"), measures.pores.voxels ? measures.pores.median : 0.0,
-                         box, [&] { return read_volume(doc, cells, box); },
+                        {labels, has(doc, "/meshes/vertex"),
+                         measures.pores.voxels ? measures.pores.median : 0.0, box,
+                         [&] { return read_volume(doc, cells, box); },
                          [&] {
                            std::size_t left_out = 0;
                            return read_meshes(doc, cells, left_out);
@@ -341,18 +341,20 @@ const conceg_param parameters[] = {
      CONCEG_PARAM_BOOL, 0, 0, 0},
     {"transport", "", "transport tortuosity lambda of the extracellular space, from /volumes", "false",
      nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
-    {"path_um", "um", "paths: how far apart start and end are at least", "10", nullptr, CONCEG_PARAM_F64, 0, 0.1,
-     1000},
+    {"path_um", "um", "paths: how far apart start and end are at least", "10", nullptr, CONCEG_PARAM_F64, 0,
+     0.1, 1000},
     {"erode_to", "1",
-     "draw labels that touch back from their membranes until this share of sections across z is extracellular "
+     "draw labels that touch back from their membranes until this share of sections across z is "
+     "extracellular "
      "(0 = not)",
      "0", nullptr, CONCEG_PARAM_F64, 0, 0, 0.9},
-    {"blocks", "1", "cut so many blocks out of the meshes, for pores, paths and transport (0 = the whole box)",
-     "0", nullptr, CONCEG_PARAM_I64, 0, 0, 1000},
+    {"blocks", "1",
+     "cut so many blocks out of the meshes, for pores, paths and transport (0 = the whole box)", "0", nullptr,
+     CONCEG_PARAM_I64, 0, 0, 1000},
     {"block_um", "um", "side of a block", "10", nullptr, CONCEG_PARAM_F64, 0, 1, 100},
     {"block_voxel_um", "um",
-     "largest voxel of a block; 0 = a quarter of the median cleft of /volumes, or 0.1 um without", "0", nullptr,
-     CONCEG_PARAM_F64, 0, 0, 1},
+     "largest voxel of a block; 0 = an eighth of the median cleft of /volumes, or 0.05 um without", "0",
+     nullptr, CONCEG_PARAM_F64, 0, 0, 1},
     {"spectrum", "", "power spectrum of the cross-section along paths of 100 um", "false", nullptr,
      CONCEG_PARAM_BOOL, 0, 0, 0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};

@@ -152,12 +152,12 @@ void write_labels(conceg_ctx *ctx, conceg_doc *doc, const NpyArray &array, const
                         static_cast<double>(grid.shape[2]);
   const auto memory = static_cast<double>(conceg_ctx_memory(ctx));
   if (4.0 * voxels > memory)
-    fail(CONCEG_E_NOMEM, "%s: %.3g voxels take more than the %.3g GB of --memory; give larger voxels with "
-                         "import.resample_um",
+    fail(CONCEG_E_NOMEM,
+         "%s: %.3g voxels take more than the %.3g GB of --memory; give larger voxels with "
+         "import.resample_um",
          array.where.c_str(), voxels, 1e-9 * memory);
   const Found found = look_through(labels, grid);
-  if (found.id.empty())
-    fail(CONCEG_E_FORMAT, "%s: expected labels above 0, got none", array.where.c_str());
+  if (found.id.empty()) fail(CONCEG_E_FORMAT, "%s: expected labels above 0, got none", array.where.c_str());
   if (found.id.size() >= UINT32_MAX)
     fail(CONCEG_E_RANGE, "%s: expected fewer than 2^32 labels", array.where.c_str());
 
@@ -172,19 +172,17 @@ void write_labels(conceg_ctx *ctx, conceg_doc *doc, const NpyArray &array, const
     std::array<std::uint64_t, 3> first = {};
     for (std::size_t a = 0; a < 3; a++)
       first[a] = static_cast<std::uint64_t>(found.leaf_origin[3 * leaf + a]);
-    visit_leaf(labels, grid, first,
-               [&](std::uint64_t voxel, std::uint64_t label, auto... at) {
-                 if (!label) return;
-                 if (label != last)
-                   last = label, last_row = static_cast<std::uint32_t>(
-                                     std::lower_bound(found.id.begin(), found.id.end(), label) -
-                                     found.id.begin());
-                 out[leaf * leaf_voxels + voxel] = last_row + 1;
-                 const std::array<std::uint64_t, 3> p = {at...};
-                 for (std::size_t a = 0; a < 3; a++)
-                   sum[last_row][a] += (static_cast<double>(p[a]) + 0.5) * grid.spacing[a];
-                 count[last_row]++;
-               });
+    visit_leaf(labels, grid, first, [&](std::uint64_t voxel, std::uint64_t label, auto... at) {
+      if (!label) return;
+      if (label != last)
+        last = label, last_row = static_cast<std::uint32_t>(
+                          std::lower_bound(found.id.begin(), found.id.end(), label) - found.id.begin());
+      out[leaf * leaf_voxels + voxel] = last_row + 1;
+      const std::array<std::uint64_t, 3> p = {at...};
+      for (std::size_t a = 0; a < 3; a++)
+        sum[last_row][a] += (static_cast<double>(p[a]) + 0.5) * grid.spacing[a];
+      count[last_row]++;
+    });
   }
   double labelled = 0;
   for (std::size_t row = 0; row < sum.size(); row++) {
@@ -206,12 +204,12 @@ void write_labels(conceg_ctx *ctx, conceg_doc *doc, const NpyArray &array, const
   put(doc, "/volumes@origin", &origin.x, 3), put(doc, "/volumes@spacing", &spacing.x, 3);
   put(doc, "/volumes@shape", grid.shape.data(), 3);
   put(doc, "/volumes/leaf_origin", found.leaf_origin, 3);
-  conceg_ctx_log(ctx, CONCEG_LOG_INFO,
-                 "import: %zu labels in %llu x %llu x %llu voxels of %g x %g x %g um; %.4f of them unlabelled",
-                 found.id.size(), static_cast<unsigned long long>(grid.shape[0]),
-                 static_cast<unsigned long long>(grid.shape[1]),
-                 static_cast<unsigned long long>(grid.shape[2]), spacing.x, spacing.y, spacing.z,
-                 1.0 - labelled / voxels);
+  conceg_ctx_log(
+      ctx, CONCEG_LOG_INFO,
+      "import: %zu labels in %llu x %llu x %llu voxels of %g x %g x %g um; %.4f of them unlabelled",
+      found.id.size(), static_cast<unsigned long long>(grid.shape[0]),
+      static_cast<unsigned long long>(grid.shape[1]), static_cast<unsigned long long>(grid.shape[2]),
+      spacing.x, spacing.y, spacing.z, 1.0 - labelled / voxels);
 }
 
 } // namespace conceg::importing

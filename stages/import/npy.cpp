@@ -144,8 +144,11 @@ NpyArray parse_npy(std::string bytes, const std::string &where) {
   if (bytes.size() < magic_bytes + 4 || std::memcmp(bytes.data(), magic, magic_bytes) != 0)
     fail(CONCEG_E_FORMAT, "%s: expected a file of NumPy, .npy or .npz; it is none, or cut off",
          where.c_str());
-  const auto byte = [&](std::size_t i) { return static_cast<std::size_t>(static_cast<unsigned char>(bytes[i])); };
-  const std::size_t version = byte(magic_bytes), field = version == 1 ? 2 : 4, begin = magic_bytes + 2 + field;
+  const auto byte = [&](std::size_t i) {
+    return static_cast<std::size_t>(static_cast<unsigned char>(bytes[i]));
+  };
+  const std::size_t version = byte(magic_bytes), field = version == 1 ? 2 : 4,
+                    begin = magic_bytes + 2 + field;
   if (version < 1 || version > 3)
     fail(CONCEG_E_FORMAT, "%s: expected format 1, 2 or 3 of .npy, got %zu", where.c_str(), version);
   std::size_t length = 0;

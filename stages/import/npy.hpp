@@ -10,12 +10,12 @@ namespace conceg::importing {
 
 // Whole numbers of 1, 2, 4 or 8 bytes on up to three axes, as they lie in the file.
 struct NpyArray {
-  std::string bytes;                      // of the values alone
-  std::array<std::uint64_t, 3> shape;     // values along each axis; 1 beyond the array's own axes
-  std::array<std::uint64_t, 3> stride;    // in values
-  std::uint32_t width;                    // bytes of a value
+  std::string bytes;                   // of the values alone
+  std::array<std::uint64_t, 3> shape;  // values along each axis; 1 beyond the array's own axes
+  std::array<std::uint64_t, 3> stride; // in values
+  std::uint32_t width;                 // bytes of a value
   bool is_signed, big_endian;
-  std::string where;                      // "FILE" or "FILE: NAME.npy", for messages
+  std::string where; // "FILE" or "FILE: NAME.npy", for messages
 
   std::uint64_t at(std::uint64_t x, std::uint64_t y, std::uint64_t z) const; // refuses negative values
 };

@@ -17,7 +17,8 @@ namespace {
 constexpr std::uint32_t end_signature = 0x06054b50, end64_signature = 0x06064b50,
                         locator_signature = 0x07064b50, entry_signature = 0x02014b50,
                         local_signature = 0x04034b50;
-constexpr std::size_t end_bytes = 22, end64_bytes = 56, locator_bytes = 20, entry_bytes = 46, local_bytes = 30;
+constexpr std::size_t end_bytes = 22, end64_bytes = 56, locator_bytes = 20, entry_bytes = 46,
+                      local_bytes = 30;
 constexpr std::uint32_t in_zip64 = 0xffffffff;
 constexpr unsigned stored = 0, deflated = 8;
 

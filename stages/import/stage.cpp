@@ -96,14 +96,15 @@ void import_signal(const Request &request, conceg_doc *doc, const conceg_params 
 }
 
 void import_labels(const Request &request, conceg_doc *doc, const conceg_params *params) {
-  const std::string &path = only_file(request, ".npy or .npz"), voxel = conceg_params_text(params, "voxel_um");
+  const std::string &path = only_file(request, ".npy or .npz"),
+                    voxel = conceg_params_text(params, "voxel_um");
   if (voxel.empty())
-    fail(CONCEG_E_PARAM, "voxel_um: the file does not say it; give import.voxel_um, such as 0.016,0.016,0.04");
+    fail(CONCEG_E_PARAM,
+         "voxel_um: the file does not say it; give import.voxel_um, such as 0.016,0.016,0.04");
   const LabelOptions options = {parse_voxel_um(voxel), conceg_params_f64(params, "resample_um"),
                                 std::string(conceg_params_text(params, "axes")) == "zyx"};
-  const NpyArray array =
-      parse_numpy(read_bytes(request.ctx, path), path, conceg_params_text(params, "array"),
-                  static_cast<double>(conceg_ctx_memory(request.ctx)));
+  const NpyArray array = parse_numpy(read_bytes(request.ctx, path), path, conceg_params_text(params, "array"),
+                                     static_cast<double>(conceg_ctx_memory(request.ctx)));
   write_labels(request.ctx, doc, array, options);
 }
 
@@ -138,10 +139,9 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
 }
 
 const char *const nothing[] = {nullptr};
-const char *const writes[] = {"recipe", "domain",   "provenance", "types",      "dictionary",
-                              "cells",  "bars",     "network",    "skeleton",   "spheres",
-                              "meshes", "volumes",  "protocol",   "signals",    "statistics",
-                              nullptr};
+const char *const writes[] = {"recipe",   "domain",  "provenance", "types",   "dictionary", "cells",
+                              "bars",     "network", "skeleton",   "spheres", "meshes",     "volumes",
+                              "protocol", "signals", "statistics", nullptr};
 
 } // namespace
 

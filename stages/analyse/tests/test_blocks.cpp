@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Blocks out of meshes whose inside is known, over the faces of the box, and what is measured in boxes that are
-// not periodic.
+// Blocks out of meshes whose inside is known, over the faces of the box, and what is measured in boxes that
+// are not periodic.
 #include "../blocks.hpp"
 #include "../paths.hpp"
 #include "../pore_space.hpp"
@@ -115,7 +115,8 @@ void transport_is_mirrored() {
   for (std::size_t x = 0; x < 16; x++)
     for (std::size_t y = 0; y < 20; y++)
       for (std::size_t z = 0; z < 24; z++)
-        mirrored.open.push_back(v.open[(std::min(x, 15 - x) * 10 + std::min(y, 19 - y)) * 12 + std::min(z, 23 - z)]);
+        mirrored.open.push_back(
+            v.open[(std::min(x, 15 - x) * 10 + std::min(y, 19 - y)) * 12 + std::min(z, 23 - z)]);
   Workers workers(2);
   const Transport a = transport_of(v, {true, true, true}, 1e-10, workers, {}),
                   b = transport_of(mirrored, {true, true, true}, 1e-10, workers, {});

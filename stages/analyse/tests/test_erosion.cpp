@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Labels drawn back from their membranes: distances against all pairs, a lattice of squares whose answer is known.
+// Labels drawn back from their membranes: distances against all pairs, a lattice of squares whose answer is
+// known.
 #include "../erosion.hpp"
 #include "../pore_space.hpp"
 #include "check.h"
@@ -95,7 +96,7 @@ void unlabelled() {
     }
     return false;
   };
-  CHECK(fails(labelled({100, 20, 1}, half)));                 // half of it has no label
+  CHECK(fails(labelled({100, 20, 1}, half)));                       // half of it has no label
   CHECK(fails(labelled({100, 20, 1}, [](auto...) { return 1u; }))); // no membrane at all
   settings.open_fraction = 0.6;
   LabelGrid g = labelled({100, 20, 1}, half);

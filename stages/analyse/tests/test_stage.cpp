@@ -206,8 +206,10 @@ void experiments() {
   CHECK(eroded.log.find("um off each membrane") != std::string::npos);
   CHECK(eroded.log.find("erosion [um]") != std::string::npos);
   CHECK(eroded.bytes == run(3, true, false, put_touching, "analyse.pores=true", sections).bytes);
-  CHECK(eroded.bytes != run(2, true, false, put_touching, "analyse.pores=true", {"analyse.erode_to=0.4"}).bytes);
-  CHECK_EQUAL(run(2, true, false, put_touching, "analyse.erode_to=0.3").status, CONCEG_E_PARAM); // nothing to do
+  CHECK(eroded.bytes !=
+        run(2, true, false, put_touching, "analyse.pores=true", {"analyse.erode_to=0.4"}).bytes);
+  CHECK_EQUAL(run(2, true, false, put_touching, "analyse.erode_to=0.3").status,
+              CONCEG_E_PARAM); // nothing to do
   CHECK_EQUAL(run(2, true, false, nothing, "analyse.pores=true", sections).status, CONCEG_E_MISSING);
   const auto flat = [&](conceg_doc *doc) { // voxels of another length along z
     put_touching(doc);
@@ -222,10 +224,12 @@ void experiments() {
   CHECK(run(2, true, false, flat, "analyse.pores=true").log.find("import.resample_um") != std::string::npos);
 
   // Blocks between three balls.
-  const std::vector<const char *> blocks = {"analyse.blocks=2", "analyse.block_um=5", "analyse.block_voxel_um=0.25"};
+  const std::vector<const char *> blocks = {"analyse.blocks=2", "analyse.block_um=5",
+                                            "analyse.block_voxel_um=0.25"};
   const Run cut = run(2, false, true, nothing, "analyse.transport=true", blocks);
   CHECK_EQUAL(cut.status, CONCEG_OK);
-  CHECK(cut.log.find("--- blocks") != std::string::npos && cut.log.find("--- transport") != std::string::npos);
+  CHECK(cut.log.find("--- blocks") != std::string::npos &&
+        cut.log.find("--- transport") != std::string::npos);
   CHECK(cut.bytes == run(3, false, true, nothing, "analyse.transport=true", blocks).bytes);
   const Run unmeshed = run(2, true, false, nothing, "analyse.pores=true", blocks);
   CHECK_EQUAL(unmeshed.status, CONCEG_E_MISSING);
