@@ -8,7 +8,7 @@ say() { printf '%s\n' "$*" >&2; }
 die() { say "error: $1"; exit "${2:-1}"; }
 
 # What the build needs, by Debian 12 package.
-packages="g++ cmake ninja-build pkg-config libhdf5-dev libyaml-dev libcgal-dev libembree-dev libopenvdb-dev libglm-dev libvtk9-dev libtbb-dev libqhull-dev libcairo2-dev libceres-dev libeigen3-dev libjsoncpp-dev"
+packages="g++ cmake ninja-build pkg-config libhdf5-dev libyaml-dev libcgal-dev libembree-dev libopenvdb-dev libglm-dev libvtk9-dev libtbb-dev libqhull-dev libcairo2-dev libceres-dev libeigen3-dev libjsoncpp-dev zlib1g-dev"
 
 missing_packages() {
   for package in "$@"; do

@@ -5,7 +5,7 @@
 
 namespace conceg::analyse {
 
-Table composition_table(const Composition &composition) {
+Table composition_table(const Composition &composition, double erosion) {
   Table table("composition");
   for (const ScaleRow &row : composition.rows) {
     table.put("side", row.side, "um");
@@ -17,11 +17,12 @@ Table composition_table(const Composition &composition) {
     table.put("cell_volume", row.cell_mean, "um^3"), table.put("cell_sd", row.cell_sd, "um^3");
     table.put("cell_geometric_mean", row.cell_geometric_mean, "um^3");
     table.put("cell_slope", row.cell_slope, "1");
+    table.put("erosion", erosion, "um");
   }
   return table;
 }
 
-Table composition_fit_table(const Composition &composition) {
+Table composition_fit_table(const Composition &composition, double erosion) {
   Table table("composition_fit");
   const auto put = [&](const char *name, const ScaleFit &fit) {
     if (fit.rows < 3) return;
@@ -30,6 +31,7 @@ Table composition_fit_table(const Composition &composition) {
     table.put("lengths", static_cast<std::uint64_t>(fit.rows));
     table.put("fragment_exponent", fit.fragment, "1"), table.put("fragment_error", fit.fragment_error, "1");
     table.put("cell_exponent", fit.cell, "1"), table.put("cell_error", fit.cell_error, "1");
+    table.put("erosion", erosion, "um");
   };
   put("all", composition.all), put("beyond_somas", composition.beyond_somas);
   return table;
@@ -64,47 +66,63 @@ Table spectrum_fit_table(const std::vector<ClassSpectrum> &spectra) {
   return table;
 }
 
-Table transport_table(const Transport &coarse, double coarse_um, const Transport &fine, double fine_um) {
+namespace {
+
+void put_source(Table &table, const Source &source) {
+  table.put("block", source.block), table.put("ecs_fraction", source.ecs_fraction, "1");
+  table.put("erosion", source.erosion, "um"), table.put("voxel", source.voxel, "um");
+}
+
+} // namespace
+
+void add_block(Table &table, std::uint64_t block, const glm::dvec3 &lo, double side, const OpenVoxels &voxels,
+               double median, const OpenPieces &pieces, bool valid) {
+  table.put("block", block);
+  table.put("x", lo.x, "um"), table.put("y", lo.y, "um"), table.put("z", lo.z, "um");
+  table.put("side", side, "um"), table.put("voxel", largest_spacing(voxels), "um");
+  table.put("ecs_fraction", open_fraction(voxels), "1"), table.put("cleft_width", 4 * median, "um");
+  table.put("pieces", pieces.pieces), table.put("largest_piece", pieces.largest, "1");
+  table.put("state", std::string(valid ? "valid" : "void"));
+}
+
+void add_transport(Table &table, std::uint64_t block, const Transport &coarse, const Transport &fine,
+                   double voxel) {
   Transport limit = fine;
   for (std::size_t a = 0; a < 3; a++)
     limit.ratio[a] = 2 * fine.ratio[a] - coarse.ratio[a];
-  Table table("transport");
-  const auto put = [&](double voxel, const Transport &t) {
-    table.put("voxel", voxel, "um"), table.put("ecs_fraction", t.open_fraction, "1");
+  const auto put = [&](double size, const Transport &t) {
+    table.put("block", block);
+    table.put("voxel", size, "um"), table.put("ecs_fraction", t.open_fraction, "1");
     table.put("ratio_x", t.ratio[0], "1"), table.put("ratio_y", t.ratio[1], "1");
     table.put("ratio_z", t.ratio[2], "1"), table.put("lambda", t.lambda(), "1");
   };
-  put(coarse_um, coarse), put(fine_um, fine), put(0, limit);
-  return table;
+  put(2 * voxel, coarse), put(voxel, fine), put(0, limit);
 }
 
-Table pore_table(const PoreSpace &space, const PoreSpace &sections) {
-  Table table("pore_space");
-  const auto put = [&](std::uint64_t dimensions, const PoreSpace &p) {
-    const std::pair<const char *, const Distribution *> all[] = {{"centre_radius", &p.centres},
-                                                                 {"voxel_radius", &p.voxels},
-                                                                 {"thickness_radius", &p.thickness},
-                                                                 {"gap_width", &p.gaps},
-                                                                 {"chord", &p.chords}};
-    for (const auto &[name, d] : all) {
-      table.put("dimensions", dimensions), table.put("measure", std::string(name));
-      table.put("count", d->count), table.put("mean", d->mean, "um"), table.put("sd", d->sd, "um");
-      table.put("median", d->median, "um"), table.put("p95", d->p95, "um");
-    }
-  };
-  put(3, space), put(2, sections);
-  return table;
+void add_pores(Table &table, const Source &source, std::uint64_t dimensions, const PoreSpace &pores) {
+  const std::pair<const char *, const Distribution *> all[] = {{"centre_radius", &pores.centres},
+                                                               {"voxel_radius", &pores.voxels},
+                                                               {"thickness_radius", &pores.thickness},
+                                                               {"gap_width", &pores.gaps},
+                                                               {"chord", &pores.chords}};
+  for (const auto &[name, d] : all) {
+    put_source(table, source);
+    table.put("dimensions", dimensions), table.put("measure", std::string(name));
+    table.put("count", d->count), table.put("mean", d->mean, "um"), table.put("sd", d->sd, "um");
+    table.put("median", d->median, "um"), table.put("p95", d->p95, "um");
+  }
 }
 
-Table path_table(const PathStraightness &paths) {
-  Table table("paths");
+void add_paths(Table &table, const Source &source, std::uint64_t dimensions, double least,
+               const PathStraightness &paths) {
   const auto put = [&](const char *way, const Distribution &d) {
+    put_source(table, source);
+    table.put("dimensions", dimensions), table.put("least", least, "um");
     table.put("way", std::string(way));
     table.put("pairs", paths.pairs), table.put("without_path", paths.apart);
     table.put("straightness", d.mean, "1"), table.put("sd", d.sd, "1"), table.put("median", d.median, "1");
   };
   put("fast_marching", paths.marched), put("steps", paths.stepped);
-  return table;
 }
 
 } // namespace conceg::analyse

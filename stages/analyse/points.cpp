@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "points.hpp"
 
+#include "ray_faces.hpp"
+
 #include "conceg/rng.h"
 
 #include <algorithm>
@@ -76,24 +78,6 @@ PointTable draw_points(const conceg_box &box, const Columns &columns, std::uint6
   return table;
 }
 
-// A face as the rays see it. Edges run from the vertex with the lower index, so that both faces of an edge
-// see the same one.
-struct Flat {
-  double u[3], v[3], ray[3];
-  std::uint32_t index[3];
-};
-
-Flat flatten(const Meshes &meshes, const Columns &columns, std::size_t surface, std::size_t face) {
-  Flat flat;
-  const glm::dvec3 *vertex = meshes.vertex.data() + meshes.vertex_offset[surface];
-  for (int j = 0; j < 3; j++) {
-    flat.index[j] = meshes.face[3 * face + static_cast<std::size_t>(j)];
-    const glm::dvec3 &p = vertex[flat.index[j]];
-    flat.u[j] = p[columns.u], flat.v[j] = p[columns.v], flat.ray[j] = p[columns.ray];
-  }
-  return flat;
-}
-
 struct Reference {
   std::uint32_t face;          // among all faces
   std::int32_t lift_u, lift_v; // the point's image that the face sees is point + lift * side
@@ -142,28 +126,6 @@ void for_each_column(const conceg_box &box, const Columns &columns, const Flat &
   }
 }
 
-// Twice the area left of the edge from the lower-numbered vertex; `forward` tells whether the point lies on
-// its left.
-double edge(const Flat &f, int from, int to, double u, double v, bool &left) {
-  const bool swapped = f.index[from] > f.index[to];
-  const int a = swapped ? to : from, b = swapped ? from : to;
-  const double value = (f.u[b] - f.u[a]) * (v - f.v[a]) - (f.v[b] - f.v[a]) * (u - f.u[a]);
-  left = (value >= 0) != swapped;
-  return std::abs(value);
-}
-
-// +1 where a ray that runs up leaves the body, -1 where it enters, 0 where it misses the face; `at` = height.
-int crossing(const Flat &f, double u, double v, double &at) {
-  bool left[3];
-  const double w2 = edge(f, 0, 1, u, v, left[0]), w0 = edge(f, 1, 2, u, v, left[1]);
-  if (left[0] != left[1]) return 0;
-  const double w1 = edge(f, 2, 0, u, v, left[2]);
-  if (left[1] != left[2]) return 0;
-  const double sum = w0 + w1 + w2;
-  at = sum > 0 ? (w0 * f.ray[0] + w1 * f.ray[1] + w2 * f.ray[2]) / sum : f.ray[0];
-  return left[0] ? 1 : -1;
-}
-
 struct FaceTable {
   std::vector<std::uint64_t> offset;
   std::vector<Reference> reference;
@@ -179,8 +141,8 @@ FaceTable index_faces(const Meshes &meshes, const conceg_box &box, const Columns
       report(progress, "analyse: index faces", static_cast<std::uint64_t>(pass) * meshes.cell.size() + k,
              2 * meshes.cell.size());
       for (std::size_t f = meshes.face_offset[k]; f < meshes.face_offset[k + 1]; f++)
-        for_each_column(box, columns, flatten(meshes, columns, k, f), static_cast<std::uint32_t>(f),
-                        [&](std::size_t c, const Reference &r) {
+        for_each_column(box, columns, flatten(meshes, columns.u, columns.v, columns.ray, k, f),
+                        static_cast<std::uint32_t>(f), [&](std::size_t c, const Reference &r) {
                           if (pass == 0)
                             table.offset[c + 1]++;
                           else
@@ -227,7 +189,8 @@ PointShare locate_points(const Meshes &meshes, const conceg_box &box, std::uint6
       std::vector<std::int64_t> winding(here, 0);
       for (std::uint64_t r = over.offset[c]; r < over.offset[c + 1]; r++) {
         const Reference &reference = over.reference[r];
-        const Flat flat = flatten(meshes, columns, surface_of(reference.face), reference.face);
+        const Flat flat =
+            flatten(meshes, columns.u, columns.v, columns.ray, surface_of(reference.face), reference.face);
         const double shift_u = reference.lift_u * columns.side_u, shift_v = reference.lift_v * columns.side_v;
         for (std::size_t i = 0; i < here; i++) {
           double at;

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
-#include <numeric>
 
 namespace conceg::analyse {
 
@@ -15,20 +15,24 @@ constexpr double prominence = 0.5;    // of a voxel: lower maxima are noise of t
 constexpr double medial_slope = 0.70; // of the radius; on the medial surface no neighbour's is steeper
 
 double voxel_of(const OpenVoxels &v) {
-  return std::cbrt(v.spacing[0] * v.spacing[1] * v.spacing[2]);
+  double product = 1;
+  int axes = 0;
+  for (std::size_t a = 0; a < 3; a++)
+    if (v.shape[a] > 1) product *= v.spacing[a], axes++;
+  return axes ? std::pow(product, 1.0 / axes) : v.spacing[0];
 }
 
-// Squared distances along one periodic line: lower envelope of the parabolas of all points and of their
-// images on both sides (Felzenszwalb and Huttenlocher 2012).
+// Squared distances along one line: lower envelope of the parabolas of all points and, on a periodic line, of
+// their images on both sides (Felzenszwalb and Huttenlocher 2012).
 class LineTransform {
 public:
-  void operator()(std::vector<float> &f, double step) {
+  void operator()(std::vector<float> &f, double step, bool periodic) {
     const auto n = static_cast<long>(f.size());
     apex_.clear(), from_.clear();
     const auto value = [&](long i) {
       return static_cast<double>(f[static_cast<std::size_t>(((i % n) + n) % n)]);
     };
-    for (long i = -n; i < 2 * n; i++) {
+    for (long i = periodic ? -n : 0; i < (periodic ? 2 * n : n); i++) {
       if (!(value(i) < none)) continue;
       double at = -std::numeric_limits<double>::infinity();
       while (!apex_.empty()) {
@@ -59,118 +63,220 @@ private:
   std::vector<float> out_;
 };
 
-// Neighbours of voxel i over the faces of the box, diagonal ones included; visit(neighbour, distance).
-template <class Visit> void neighbours(const OpenVoxels &v, std::size_t i, const Visit &visit) {
-  const auto [nx, ny, nz] = v.shape;
-  const std::size_t x = i / (ny * nz), y = i / nz % ny, z = i % nz;
-  for (std::size_t dx = 0; dx < 3; dx++)
-    for (std::size_t dy = 0; dy < 3; dy++)
-      for (std::size_t dz = 0; dz < 3; dz++) {
-        const std::size_t j =
-            ((x + nx + dx - 1) % nx * ny + (y + ny + dy - 1) % ny) * nz + (z + nz + dz - 1) % nz;
-        if (j == i) continue;
-        const double a = (static_cast<double>(dx) - 1) * v.spacing[0],
-                     b = (static_cast<double>(dy) - 1) * v.spacing[1],
-                     c = (static_cast<double>(dz) - 1) * v.spacing[2];
-        visit(j, std::sqrt(a * a + b * b + c * c));
-      }
-}
+// Open voxels as numbers that sort from the widest to the narrowest, equal ones by place.
+class ByRadius {
+public:
+  ByRadius(const OpenVoxels &v, const std::vector<float> &radius) {
+    for (std::size_t i = 0; i < v.open.size(); i++)
+      if (v.open[i]) key_.push_back(key(radius[i]) << 32 | i);
+    std::sort(key_.begin(), key_.end());
+  }
+  std::size_t count() const { return key_.size(); }
+  std::size_t operator[](std::size_t k) const { return key_[k] & 0xffffffffu; }
 
-std::vector<std::size_t> by_radius(const OpenVoxels &v, const std::vector<float> &radius) {
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < v.open.size(); i++)
-    if (v.open[i]) order.push_back(i);
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return radius[a] != radius[b] ? radius[a] > radius[b] : a < b;
-  });
-  return order;
-}
+private:
+  // Bits of a float from 0 on grow with its value.
+  static std::uint64_t key(float radius) {
+    std::uint32_t bits;
+    std::memcpy(&bits, &radius, sizeof bits);
+    return 0xffffffffu - bits;
+  }
+  std::vector<std::uint64_t> key_;
+};
+
+// Distance from a voxel's centre to the nearest face of an axis that is not periodic, um.
+class FaceDistance {
+public:
+  explicit FaceDistance(const OpenVoxels &v) : v_(v) {
+    for (std::size_t a = 0; a < 3; a++)
+      open_ = open_ || (!v.periodic[a] && v.shape[a] > 1);
+  }
+  double operator()(std::size_t i) const {
+    double least = std::numeric_limits<double>::infinity();
+    if (!open_) return least;
+    const auto [nx, ny, nz] = v_.shape;
+    const std::array<std::size_t, 3> at = {i / (ny * nz), i / nz % ny, i % nz};
+    for (std::size_t a = 0; a < 3; a++)
+      if (!v_.periodic[a] && v_.shape[a] > 1)
+        least = std::min(least, (static_cast<double>(std::min(at[a], v_.shape[a] - 1 - at[a])) + 0.5) *
+                                    v_.spacing[a]);
+    return least;
+  }
+
+private:
+  const OpenVoxels &v_;
+  bool open_ = false;
+};
 
 // Maxima that stand out: voxels are flooded from the widest on; where two floods meet the lower one ends, and
 // counts when its top is that much above the meeting.
-std::vector<double> maxima(const OpenVoxels &v, const std::vector<float> &radius,
-                           const std::vector<std::size_t> &order) {
+std::vector<std::size_t> maxima(const OpenVoxels &v, const Steps &steps, const std::vector<float> &radius,
+                                const ByRadius &order) {
   const double least = prominence * voxel_of(v);
-  constexpr std::size_t dry = std::numeric_limits<std::size_t>::max();
-  std::vector<std::size_t> top(v.open.size(), dry); // union-find; the root is the top of its flood
-  const auto find = [&](std::size_t i) {
+  constexpr std::uint32_t dry = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> top(v.open.size(), dry); // union-find; the root is the top of its flood
+  const auto find = [&](std::uint32_t i) {
     while (top[i] != i)
       i = top[i] = top[top[i]];
     return i;
   };
-  std::vector<double> out;
-  for (const std::size_t i : order) {
+  std::vector<std::size_t> out;
+  for (std::size_t k = 0; k < order.count(); k++) {
+    const auto i = static_cast<std::uint32_t>(order[k]);
     top[i] = i;
-    neighbours(v, i, [&](std::size_t j, double) {
+    steps.from(i, [&](std::size_t j, std::size_t) {
       if (top[j] == dry) return;
-      std::size_t a = find(i), b = find(j);
+      std::uint32_t a = find(i), b = find(static_cast<std::uint32_t>(j));
       if (a == b) return;
       if (radius[a] < radius[b] || (radius[a] == radius[b] && a > b)) std::swap(a, b);
       if (b != i && static_cast<double>(radius[b]) - static_cast<double>(radius[i]) >= least)
-        out.push_back(static_cast<double>(radius[b]));
+        out.push_back(b);
       top[b] = a;
     });
   }
-  for (const std::size_t i : order)
-    if (top[i] == i) out.push_back(static_cast<double>(radius[i])); // the highest of each piece
+  for (std::size_t k = 0; k < order.count(); k++)
+    if (top[order[k]] == order[k]) out.push_back(order[k]); // the highest of each piece
   return out;
 }
 
-// Largest slope of the radius from a voxel to one of its neighbours.
-double steepest(const OpenVoxels &v, const std::vector<float> &radius, std::size_t i) {
-  double slope = -none;
-  neighbours(v, i, [&](std::size_t j, double apart) {
-    slope = std::max(slope, (static_cast<double>(radius[j]) - static_cast<double>(radius[i])) / apart);
+// Largest slope of the radius from each open voxel to one of its neighbours, in the given order.
+std::vector<float> slopes(const Steps &steps, const std::vector<float> &radius, const ByRadius &order,
+                          Workers &workers) {
+  std::vector<float> out(order.count());
+  workers.loop(order.count(), 4096, [&](std::size_t k, unsigned) {
+    const std::size_t i = order[k];
+    double slope = -std::numeric_limits<double>::infinity();
+    steps.from(i, [&](std::size_t j, std::size_t step) {
+      slope = std::max(slope, (static_cast<double>(radius[j]) - static_cast<double>(radius[i])) /
+                                  steps.length(step));
+    });
+    out[k] = static_cast<float>(slope);
   });
-  return slope;
-}
-
-// Paints balls, the largest first; a ball within a neighbour's adds nothing.
-std::vector<double> thicknesses(const OpenVoxels &v, const std::vector<float> &radius,
-                                const std::vector<std::size_t> &order) {
-  const auto [nx, ny, nz] = v.shape;
-  std::vector<float> thick(v.open.size(), 0);
-  for (const std::size_t i : order) {
-    const double r = static_cast<double>(radius[i]);
-    if (thick[i] == 0) thick[i] = radius[i];
-    if (steepest(v, radius, i) >= 1 - 1e-6) continue;
-    const std::array<std::size_t, 3> n = {nx, ny, nz}, at = {i / (ny * nz), i / nz % ny, i % nz};
-    std::array<long, 3> reach = {};
-    for (std::size_t a = 0; a < 3; a++)
-      reach[a] = n[a] == 1 ? 0 : static_cast<long>(r / v.spacing[a]);
-    const auto wrapped = [&](std::size_t a, long d) {
-      const long m = static_cast<long>(n[a]);
-      return static_cast<std::size_t>((static_cast<long>(at[a]) + d % m + m) % m);
-    };
-    for (long dx = -reach[0]; dx <= reach[0]; dx++)
-      for (long dy = -reach[1]; dy <= reach[1]; dy++)
-        for (long dz = -reach[2]; dz <= reach[2]; dz++) {
-          const double a = static_cast<double>(dx) * v.spacing[0], b = static_cast<double>(dy) * v.spacing[1],
-                       c = static_cast<double>(dz) * v.spacing[2];
-          if (a * a + b * b + c * c > r * r) continue;
-          const std::size_t j = (wrapped(0, dx) * ny + wrapped(1, dy)) * nz + wrapped(2, dz);
-          if (v.open[j]) thick[j] = std::max(thick[j], radius[i]);
-        }
-  }
-  std::vector<double> out;
-  for (const std::size_t i : order)
-    out.push_back(static_cast<double>(thick[i]));
   return out;
 }
 
-// Lengths of open runs along one axis; a run goes on over the face of the box. Lines that are open all along
-// have no chord.
+// Paints balls, the largest first, so that each voxel is painted once; a ball within a neighbour's adds
+// nothing. Slabs across x are painted apart from one another, as the colour does not depend on the order.
+class Painter {
+public:
+  Painter(const OpenVoxels &v, const std::vector<float> &radius, std::vector<float> &thick)
+      : v_(v), radius_(radius), thick_(thick), next_(v.shape[2] ? v.open.size() : 0) {}
+
+  void slab(long from, long to, const ByRadius &order, const std::vector<float> &slope) {
+    const auto [nx, ny, nz] = v_.shape;
+    std::uint64_t left = 0; // voxels without a colour
+    for (std::size_t i = static_cast<std::size_t>(from) * ny * nz; i < static_cast<std::size_t>(to) * ny * nz;
+         i++) {
+      const bool open = v_.open[i] != 0;
+      next_[i] = static_cast<std::uint32_t>(open ? i % nz : i % nz + 1), left += open;
+    }
+    for (std::size_t k = 0; k < order.count() && left; k++) {
+      const std::size_t i = order[k], x = i / (ny * nz);
+      const long centre = static_cast<long>(x), reach = reach_of(0, i);
+      const bool near = v_.periodic[0] || (centre + reach >= from && centre - reach < to);
+      if (!near || slope[k] >= 1 - 1e-6f) {
+        if (centre >= from && centre < to && paint(x, i / nz % ny, i % nz, i % nz + 1, radius_[i])) left--;
+        continue;
+      }
+      for (long dx = -reach; dx <= reach; dx++) {
+        const long at = wrapped(0, centre + dx);
+        if (at >= from && at < to) left -= ball_plane(i, dx, static_cast<std::size_t>(at));
+      }
+    }
+  }
+
+private:
+  static constexpr long outside = -1;
+  long reach_of(std::size_t a, std::size_t i) const {
+    return v_.shape[a] == 1 ? 0 : static_cast<long>(static_cast<double>(radius_[i]) / v_.spacing[a]);
+  }
+  long wrapped(std::size_t a, long at) const {
+    const long n = static_cast<long>(v_.shape[a]);
+    if (at >= 0 && at < n) return at;
+    return v_.periodic[a] ? ((at % n) + n) % n : outside;
+  }
+  std::uint64_t ball_plane(std::size_t i, long dx, std::size_t x) {
+    const auto [nx, ny, nz] = v_.shape;
+    const long y = static_cast<long>(i / nz % ny), z = static_cast<long>(i % nz),
+               deep = static_cast<long>(nz);
+    const double r = static_cast<double>(radius_[i]), a = static_cast<double>(dx) * v_.spacing[0];
+    std::uint64_t painted = 0;
+    const long reach = reach_of(1, i);
+    for (long dy = -reach; dy <= reach; dy++) {
+      const long row = wrapped(1, y + dy);
+      const double b = static_cast<double>(dy) * v_.spacing[1], left = r * r - a * a - b * b;
+      if (row == outside || left < 0) continue;
+      const long half = nz == 1 ? 0 : static_cast<long>(std::sqrt(left) / v_.spacing[2]);
+      const auto span = [&](long lo, long hi) { // [lo, hi) within the row
+        if (lo < hi)
+          painted += paint(x, static_cast<std::size_t>(row), static_cast<std::size_t>(lo),
+                           static_cast<std::size_t>(hi), radius_[i]);
+      };
+      const long lo = z - half, hi = z + half + 1;
+      if (hi - lo >= deep && v_.periodic[2]) {
+        span(0, deep);
+        continue;
+      }
+      span(std::max(0L, lo), std::min(deep, hi));
+      if (v_.periodic[2]) span(std::max(0L, lo + deep), lo < 0 ? deep : 0), span(0, hi - deep);
+    }
+    return painted;
+  }
+  // Colours what has none yet in one row; how many those were.
+  std::uint64_t paint(std::size_t x, std::size_t y, std::size_t lo, std::size_t hi, float colour) {
+    const std::size_t first = (x * v_.shape[1] + y) * v_.shape[2];
+    std::uint64_t painted = 0;
+    for (std::size_t z = free_from(first, lo); z < hi; z = free_from(first, z + 1)) {
+      thick_[first + z] = colour, next_[first + z] = static_cast<std::uint32_t>(z + 1);
+      painted++;
+    }
+    return painted;
+  }
+  // The first voxel from z on without a colour; the length of the row when there is none.
+  std::size_t free_from(std::size_t first, std::size_t z) {
+    std::size_t end = z;
+    while (end < v_.shape[2] && next_[first + end] != end)
+      end = next_[first + end];
+    while (z < end) { // shortens the way for the next time
+      const std::size_t then = next_[first + z];
+      next_[first + z] = static_cast<std::uint32_t>(end), z = then;
+    }
+    return end;
+  }
+
+  const OpenVoxels &v_;
+  const std::vector<float> &radius_;
+  std::vector<float> &thick_;
+  std::vector<std::uint32_t> next_; // per voxel: itself when it has no colour, else a later one, along z
+};
+
+std::vector<float> thicknesses(const OpenVoxels &v, const std::vector<float> &radius, const ByRadius &order,
+                               const std::vector<float> &slope, Workers &workers) {
+  std::vector<float> thick(v.open.size(), 0);
+  Painter painter(v, radius, thick);
+  const std::size_t slabs = std::min<std::size_t>(v.shape[0], 2 * workers.threads());
+  workers.loop(slabs, 1, [&](std::size_t s, unsigned) {
+    painter.slab(static_cast<long>(s * v.shape[0] / slabs), static_cast<long>((s + 1) * v.shape[0] / slabs),
+                 order, slope);
+  });
+  return thick;
+}
+
+// Lengths of open runs along one axis. On a periodic one a run goes on over the face of the box, and lines
+// that are open all along have no chord; on others runs that reach a face have none.
 void add_chords(const OpenVoxels &v, std::size_t axis, std::vector<double> &out) {
   const std::array<std::size_t, 3> stride = {v.shape[1] * v.shape[2], v.shape[2], 1};
   const std::size_t n = v.shape[axis];
   if (n == 1) return;
   for (std::size_t i = 0; i < v.open.size(); i++) {
     const std::size_t at = i / stride[axis] % n, line = i - at * stride[axis];
+    if (!v.open[i] || (at == 0 && !v.periodic[axis])) continue;
     const auto open = [&](std::size_t k) { return v.open[line + k % n * stride[axis]] != 0; };
-    if (!open(at) || open(at + n - 1)) continue; // not where a run begins
+    if (open(at + n - 1)) continue; // not where a run begins
     std::size_t length = 1;
-    while (open(at + length))
+    while ((at + length < n || v.periodic[axis]) && open(at + length))
       length++;
+    if (at + length >= n && !v.periodic[axis]) continue; // cut off by the face
     out.push_back(static_cast<double>(length) * v.spacing[axis]);
   }
 }
@@ -210,7 +316,7 @@ std::vector<float> pore_radii(const OpenVoxels &voxels, Workers &workers) {
       std::vector<float> values(n);
       for (std::size_t k = 0; k < n; k++)
         values[k] = squared[first + k * stride[axis]];
-      LineTransform()(values, voxels.spacing[axis]);
+      LineTransform()(values, voxels.spacing[axis], voxels.periodic[axis]);
       for (std::size_t k = 0; k < n; k++)
         squared[first + k * stride[axis]] = values[k];
     });
@@ -222,37 +328,46 @@ std::vector<float> pore_radii(const OpenVoxels &voxels, Workers &workers) {
   return squared;
 }
 
+double median_radius(const OpenVoxels &voxels, Workers &workers) {
+  const std::vector<float> radius = pore_radii(voxels, workers);
+  std::vector<float> open;
+  for (std::size_t i = 0; i < radius.size(); i++)
+    if (voxels.open[i]) open.push_back(radius[i]);
+  if (open.empty()) return 0;
+  if (open.size() == radius.size()) {
+    double longest = 0;
+    for (std::size_t a = 0; a < 3; a++)
+      longest = std::max(longest, voxels.spacing[a] * static_cast<double>(voxels.shape[a]));
+    return 0.5 * longest;
+  }
+  const auto middle = open.begin() + static_cast<std::ptrdiff_t>(open.size() / 2);
+  std::nth_element(open.begin(), middle, open.end());
+  return static_cast<double>(*middle);
+}
+
 PoreSpace pore_space(const std::vector<OpenVoxels> &media, Workers &workers) {
   std::vector<double> centres, all, thick, medial, chords;
-  const auto add = [](std::vector<double> &to, const std::vector<double> &from) {
-    to.insert(to.end(), from.begin(), from.end());
-  };
   for (const OpenVoxels &voxels : media) {
     const std::vector<float> radius = pore_radii(voxels, workers);
-    const std::vector<std::size_t> order = by_radius(voxels, radius);
-    add(centres, maxima(voxels, radius, order));
-    add(thick, thicknesses(voxels, radius, order));
-    std::vector<double> slope(order.size());
-    workers.loop(order.size(), 1024,
-                 [&](std::size_t k, unsigned) { slope[k] = steepest(voxels, radius, order[k]); });
-    for (std::size_t k = 0; k < order.size(); k++) {
-      all.push_back(static_cast<double>(radius[order[k]]));
-      if (slope[k] < medial_slope) medial.push_back(2 * static_cast<double>(radius[order[k]]));
+    const ByRadius order(voxels, radius);
+    const Steps steps(voxels, Steps::around(voxels, 3), 1);
+    const FaceDistance face(voxels);
+    for (const std::size_t i : maxima(voxels, steps, radius, order))
+      if (static_cast<double>(radius[i]) <= face(i)) centres.push_back(static_cast<double>(radius[i]));
+    const std::vector<float> slope = slopes(steps, radius, order, workers),
+                             thickness = thicknesses(voxels, radius, order, slope, workers);
+    const double margin = order.count() ? 2 * static_cast<double>(radius[order[0]]) : 0;
+    for (std::size_t k = 0; k < order.count(); k++) {
+      const std::size_t i = order[k];
+      if (face(i) < margin) continue;
+      all.push_back(static_cast<double>(radius[i])), thick.push_back(static_cast<double>(thickness[i]));
+      if (static_cast<double>(slope[k]) < medial_slope) medial.push_back(2 * static_cast<double>(radius[i]));
     }
     for (std::size_t axis = 0; axis < 3; axis++)
       add_chords(voxels, axis, chords);
   }
   return {distribution(std::move(centres)), distribution(std::move(all)), distribution(std::move(thick)),
           distribution(std::move(medial)), distribution(std::move(chords))};
-}
-
-OpenVoxels section(const OpenVoxels &voxels, std::size_t axis, std::size_t at) {
-  OpenVoxels out = {voxels.shape, {}, voxels.spacing};
-  out.shape[axis] = 1;
-  const std::array<std::size_t, 3> stride = {voxels.shape[1] * voxels.shape[2], voxels.shape[2], 1};
-  for (std::size_t i = 0; i < voxels.open.size(); i++)
-    if (i / stride[axis] % voxels.shape[axis] == at) out.open.push_back(voxels.open[i]);
-  return out;
 }
 
 } // namespace conceg::analyse

@@ -2,8 +2,8 @@
 // The analyse stage: tables that say what is in the tissue.
 #include "compare_input.hpp"
 #include "compare_report.hpp"
-#include "composition.hpp"
 #include "experiment_tables.hpp"
+#include "extracellular.hpp"
 #include "spectrum.hpp"
 #include "structure_stage.hpp"
 #include "tables.hpp"
@@ -11,7 +11,6 @@
 #include "conceg/stage.h"
 
 #include <algorithm>
-#include <array>
 
 namespace {
 
@@ -202,116 +201,6 @@ void measure_pores(conceg_doc *doc, const Cells &cells, const conceg_box &box, W
   measures.pores = pore_sizes(volume, distance.data(), workers);
 }
 
-void measure_composition(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, const Cells &cells,
-                         const conceg_box &box, Workers &workers) {
-  if (!has(doc, "/volumes/label") || !has(doc, "/volumes@spacing"))
-    fail(CONCEG_E_MISSING,
-         "composition: the document has no /volumes/label; mesh with mesh.volume_step_um=0.25");
-  const LabelVolume volume = read_volume(doc, cells, box);
-  CompositionSettings settings;
-  settings.cubes = static_cast<int>(conceg_params_i64(params, "composition_cubes"));
-  settings.seed = conceg_ctx_seed(ctx);
-  const double voxel = std::max({volume.spacing.x, volume.spacing.y, volume.spacing.z});
-  if (voxel > 0.5 * (1 + 1e-9))
-    conceg_ctx_log(ctx, CONCEG_LOG_WARNING,
-                   "analyse: composition: voxels of %g um lose what is thinner; 0.25 to 0.5 um are right "
-                   "(mesh.volume_step_um)",
-                   voxel);
-  const std::array<bool, 3> periodic = {box.periodic[0] != 0, box.periodic[1] != 0, box.periodic[2] != 0};
-  const Composition found = composition_of(LabelRuns(volume, workers), volume.spacing, periodic, settings,
-                                           workers, progress_of(ctx));
-  if (!found.rows.empty() && found.rows.back().side < 0.99 * settings.largest)
-    conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "analyse: composition: void beyond %g um, where the box ends",
-                   found.rows.back().side);
-  for (const Table &table : {composition_table(found), composition_fit_table(found)}) {
-    write_table(doc, table);
-    log_table(ctx, table);
-  }
-}
-
-// Voxels outside of all cells.
-OpenVoxels open_voxels(const LabelVolume &volume, Workers &workers) {
-  OpenVoxels out;
-  for (int a = 0; a < 3; a++) {
-    const auto axis = static_cast<std::size_t>(a);
-    out.shape[axis] = volume.shape[a], out.spacing[axis] = volume.spacing[a];
-  }
-  out.open.assign(out.shape[0] * out.shape[1] * out.shape[2], 1);
-  workers.loop(volume.leaves, 64, [&](std::size_t leaf, unsigned) {
-    visit_leaf(volume, leaf, [&](std::size_t x, std::size_t y, std::size_t z, std::uint32_t label) {
-      out.open[(x * out.shape[1] + y) * out.shape[2] + z] = label == 0;
-    });
-  });
-  return out;
-}
-
-// What analyses of the extracellular space need, or an error that says what is missing; voxels that are too
-// coarse leave `open` empty, and the log says what is void.
-OpenVoxels extracellular_voxels(conceg_ctx *ctx, conceg_doc *doc, const Cells &cells, const conceg_box &box,
-                                const Pores &pores, const char *what, Workers &workers) {
-  if (!pores.voxels)
-    fail(CONCEG_E_MISSING,
-         "%s: the document has no /volumes/label and /volumes/distance; mesh with mesh.volume_step_um", what);
-  if (!box.periodic[0] || !box.periodic[1] || !box.periodic[2])
-    fail(CONCEG_E_RANGE, "%s: expected a box that is periodic on all three axes", what);
-  const LabelVolume volume = read_volume(doc, cells, box);
-  // In a flat cleft of width w distances to the wall are spread evenly over 0 to w / 2: their median is w
-  // / 4.
-  const double voxel = std::max({volume.spacing.x, volume.spacing.y, volume.spacing.z}), most = pores.median;
-  if (!(voxel > most)) return open_voxels(volume, workers);
-  conceg_ctx_log(
-      ctx, CONCEG_LOG_WARNING,
-      "analyse: %s: void: voxels of %g um are wider than a quarter of the median cleft of %g um; mesh "
-      "with mesh.volume_step_um=%.3g or smaller",
-      what, voxel, 4 * most, most);
-  return {};
-}
-
-double largest_spacing(const OpenVoxels &voxels) {
-  return std::max({voxels.spacing[0], voxels.spacing[1], voxels.spacing[2]});
-}
-
-void measure_transport(conceg_ctx *ctx, conceg_doc *doc, const OpenVoxels &fine, Workers &workers) {
-  if (fine.open.empty()) return;
-  if (fine.shape[0] % 2 || fine.shape[1] % 2 || fine.shape[2] % 2)
-    fail(CONCEG_E_RANGE, "transport: /volumes@shape: expected even numbers of voxels, got %zu %zu %zu",
-         fine.shape[0], fine.shape[1], fine.shape[2]);
-  const auto solved = [&](const OpenVoxels &voxels) {
-    return transport_of(voxels, {true, true, true}, 1e-6, workers, progress_of(ctx));
-  };
-  const double voxel = largest_spacing(fine);
-  const Table table = transport_table(solved(coarser(fine)), 2 * voxel, solved(fine), voxel);
-  write_table(doc, table);
-  log_table(ctx, table);
-}
-
-void measure_pore_space(conceg_ctx *ctx, conceg_doc *doc, const OpenVoxels &voxels, Workers &workers) {
-  if (voxels.open.empty()) return;
-  constexpr std::size_t between = 8; // planes from one section to the next
-  std::vector<OpenVoxels> sections;
-  for (std::size_t z = 0; z < voxels.shape[2]; z += between)
-    sections.push_back(section(voxels, 2, z));
-  const Table table = pore_table(pore_space({voxels}, workers), pore_space(sections, workers));
-  write_table(doc, table);
-  log_table(ctx, table);
-}
-
-void measure_paths(conceg_ctx *ctx, conceg_doc *doc, const OpenVoxels &voxels, Workers &workers) {
-  if (voxels.open.empty()) return;
-  PathSettings settings;
-  settings.seed = conceg_ctx_seed(ctx);
-  const PathStraightness found = path_straightness(voxels, settings, workers, progress_of(ctx));
-  if (!found.pairs) {
-    conceg_ctx_log(
-        ctx, CONCEG_LOG_WARNING,
-        "analyse: paths: void: the box is too small for pairs %g um apart, or has nothing outside of cells",
-        settings.least);
-    return;
-  }
-  write_table(doc, path_table(found));
-  log_table(ctx, path_table(found));
-}
-
 // Paths of each class apart; classes without a path that is long enough are told.
 void measure_spectra(conceg_ctx *ctx, conceg_doc *doc, const Cells &cells, Workers &workers) {
   if (!has(doc, "/skeleton/position"))
@@ -387,9 +276,9 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
   else
     leave_out("/bars", "asked and achieved bars");
 
-  for (const char *name :
-       {"summary", "class", "type", "neurite", "bars", "morphometry", "cell", "comparison", "comparison_bars",
-        "composition", "composition_fit", "spectrum", "spectrum_fit", "transport", "pore_space", "paths"})
+  for (const char *name : {"summary", "class", "type", "neurite", "bars", "morphometry", "cell", "comparison",
+                           "comparison_bars", "composition", "composition_fit", "spectrum", "spectrum_fit",
+                           "transport", "pore_space", "paths", "blocks"})
     must(conceg_doc_drop(doc, (std::string("/statistics/") + name).c_str()));
   for (const Table &table :
        {summary_table(cells, measures), class_table(cells, measures), type_table(cells, measures),
@@ -409,14 +298,16 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
       fail(CONCEG_E_MISSING, "structure: the document has no /skeleton; give one with grown cells");
     measure_structure(ctx, doc, structure, cells, read_skeletons(doc, cells), workers);
   }
-  if (conceg_params_bool(params, "composition")) measure_composition(ctx, doc, params, cells, box, workers);
-  const auto extracellular = [&](const char *what) {
-    return extracellular_voxels(ctx, doc, cells, box, measures.pores, what, workers);
-  };
-  if (conceg_params_bool(params, "transport"))
-    measure_transport(ctx, doc, extracellular("transport"), workers);
-  if (conceg_params_bool(params, "paths")) measure_paths(ctx, doc, extracellular("paths"), workers);
-  if (conceg_params_bool(params, "pores")) measure_pore_space(ctx, doc, extracellular("pores"), workers);
+  const bool labels = has(doc, "/volumes/label") && has(doc, "/volumes@spacing");
+  measure_extracellular(ctx, doc, params,
+                        {labels, has(doc, "/meshes/vertex"),
+                         measures.pores.voxels ? measures.pores.median : 0.0, box,
+                         [&] { return read_volume(doc, cells, box); },
+                         [&] {
+                           std::size_t left_out = 0;
+                           return read_meshes(doc, cells, left_out);
+                         }},
+                        workers);
   if (conceg_params_bool(params, "spectrum")) measure_spectra(ctx, doc, cells, workers);
   workers.count(ctx, "analyse.items");
   const double difference = largest_difference(measures),
@@ -460,6 +351,8 @@ const conceg_param parameters[] = {
      "composition scaling: the largest piece of one cell in cubes of 2 to 75 um, from /volumes", "false",
      nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"composition_cubes", "1", "cubes of each length", "200", nullptr, CONCEG_PARAM_I64, 0, 8, 100000},
+    {"composition_from_um", "um", "shortest side of the cubes; the box must be twice as long", "2", nullptr,
+     CONCEG_PARAM_F64, 0, 0.1, 15},
     {"pores", "",
      "sizes of the extracellular space by five definitions, in space and in sections, from /volumes", "false",
      nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
@@ -467,6 +360,20 @@ const conceg_param parameters[] = {
      CONCEG_PARAM_BOOL, 0, 0, 0},
     {"transport", "", "transport tortuosity lambda of the extracellular space, from /volumes", "false",
      nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
+    {"path_um", "um", "paths: how far apart start and end are at least", "10", nullptr, CONCEG_PARAM_F64, 0,
+     0.1, 1000},
+    {"erode_to", "1",
+     "draw labels that touch back from their membranes until this share of sections across z is "
+     "extracellular "
+     "(0 = not)",
+     "0", nullptr, CONCEG_PARAM_F64, 0, 0, 0.9},
+    {"blocks", "1",
+     "cut so many blocks out of the meshes, for pores, paths and transport (0 = the whole box)", "0", nullptr,
+     CONCEG_PARAM_I64, 0, 0, 1000},
+    {"block_um", "um", "side of a block", "10", nullptr, CONCEG_PARAM_F64, 0, 1, 100},
+    {"block_voxel_um", "um",
+     "largest voxel of a block; 0 = an eighth of the median cleft of /volumes, or 0.05 um without", "0",
+     nullptr, CONCEG_PARAM_F64, 0, 0, 1},
     {"spectrum", "", "power spectrum of the cross-section along paths of 100 um", "false", nullptr,
      CONCEG_PARAM_BOOL, 0, 0, 0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};

@@ -12,95 +12,94 @@ namespace {
 
 constexpr int most_iterations = 5000;
 
-// The operator on open voxels: sum over the open neighbours of c_a (u_i - u_j), c_a = 1 / spacing_a^2.
+// The operator on open voxels, numbered as they come, for the slope along one axis: sum over the open
+// neighbours of c_a (u_i - u_j), c_a = 1 / spacing_a^2. Beyond a face that is not periodic there is nothing,
+// but that along the axis itself u is 0 on the face, half a voxel away.
 class CellProblem {
 public:
-  CellProblem(const OpenVoxels &voxels, Workers &workers) : voxels_(voxels), workers_(workers) {
+  CellProblem(const OpenVoxels &voxels, Workers &workers) : spacing_(voxels.spacing), workers_(workers) {
     for (std::size_t a = 0; a < 3; a++)
       weight_[a] = 1 / (voxels.spacing[a] * voxels.spacing[a]);
-  }
-
-  std::size_t size() const { return voxels_.open.size(); }
-
-  // Calls visit(i, on every axis: lower and upper neighbour) for the open voxels of one plane.
-  template <class Visit> void plane(std::size_t x, const Visit &visit) const {
-    const auto [nx, ny, nz] = voxels_.shape;
-    const std::size_t x_low = (x + nx - 1) % nx, x_high = (x + 1) % nx;
-    for (std::size_t y = 0; y < ny; y++) {
-      const std::size_t y_low = (y + ny - 1) % ny, y_high = (y + 1) % ny;
-      const std::size_t row = (x * ny + y) * nz;
-      for (std::size_t z = 0; z < nz; z++) {
-        if (!voxels_.open[row + z]) continue;
-        visit(row + z, std::array<std::size_t, 6>{(x_low * ny + y) * nz + z, (x_high * ny + y) * nz + z,
-                                                  (x * ny + y_low) * nz + z, (x * ny + y_high) * nz + z,
-                                                  row + (z + nz - 1) % nz, row + (z + 1) % nz});
+    std::vector<std::uint32_t> number(voxels.open.size(), closed);
+    std::vector<std::size_t> place;
+    for (std::size_t i = 0; i < voxels.open.size(); i++)
+      if (voxels.open[i]) number[i] = static_cast<std::uint32_t>(place.size()), place.push_back(i);
+    const Steps steps(voxels, {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}, 1);
+    const auto thin = [&](std::size_t a) { return voxels.shape[a] == 1; };
+    near_.resize(place.size());
+    workers.loop(place.size(), chunk, [&](std::size_t n, unsigned) {
+      for (std::size_t k = 0; k < 6; k++) {
+        // Along an axis of one voxel offsets are of no use.
+        const std::size_t j = thin(k / 2) ? steps.over_faces(place[n], steps.step(k)) : steps.to(place[n], k);
+        near_[n][k] = j == Steps::outside ? beyond : number[j];
       }
-    }
-  }
-
-  // out = A u; returns u . A u.
-  double apply(const std::vector<double> &u, std::vector<double> &out) const {
-    return sum([&](std::size_t x) {
-      double product = 0;
-      plane(x, [&](std::size_t i, const std::array<std::size_t, 6> &near) {
-        double flux = 0;
-        for (std::size_t k = 0; k < 6; k++)
-          if (voxels_.open[near[k]]) flux += weight_[k / 2] * (u[i] - u[near[k]]);
-        out[i] = flux, product += u[i] * flux;
-      });
-      return product;
     });
   }
 
-  // What the slope along an axis puts into each voxel: (open above - open below) / spacing.
-  std::vector<double> source(std::size_t axis) const {
-    std::vector<double> out(size(), 0);
-    workers_.loop(voxels_.shape[0], 1, [&](std::size_t x, unsigned) {
-      plane(x, [&](std::size_t i, const std::array<std::size_t, 6> &near) {
-        out[i] = (voxels_.open[near[2 * axis + 1]] - voxels_.open[near[2 * axis]]) / voxels_.spacing[axis];
-      });
+  void set_axis(std::size_t axis) { axis_ = axis; }
+  std::size_t size() const { return near_.size(); }
+
+  // out = A u; returns u . A u.
+  double apply(const std::vector<double> &u, std::vector<double> &out) const {
+    return each([&](std::size_t i) {
+      double flux = 0;
+      for (std::size_t k = 0; k < 6; k++) {
+        const std::uint32_t j = near_[i][k];
+        if (j < beyond)
+          flux += weight_[k / 2] * (u[i] - u[j]);
+        else if (j == beyond && k / 2 == axis_)
+          flux += 2 * weight_[axis_] * u[i];
+      }
+      out[i] = flux;
+      return u[i] * flux;
+    });
+  }
+
+  // What the slope along the axis puts into each voxel: (open above - open below) / spacing.
+  std::vector<double> source() const {
+    std::vector<double> out(size());
+    const auto open = [&](std::uint32_t j) { return j == closed ? 0 : 1; };
+    workers_.loop(size(), chunk, [&](std::size_t i, unsigned) {
+      out[i] = (open(near_[i][2 * axis_ + 1]) - open(near_[i][2 * axis_])) / spacing_[axis_];
     });
     return out;
   }
 
-  // Mean of the flux along an axis over the open voxels.
-  double mean_flux(const std::vector<double> &u, std::size_t axis) const {
-    double open = 0;
-    const double flux = sum([&](std::size_t x) {
-      double part = 0;
-      plane(x, [&](std::size_t i, const std::array<std::size_t, 6> &near) {
-        const std::size_t up = near[2 * axis + 1];
-        if (voxels_.open[up]) part += 1 + (u[up] - u[i]) / voxels_.spacing[axis];
-      });
+  // Mean of the flux along the axis over the open voxels. A voxel stands for the way to its upper neighbour;
+  // at a face that is not periodic for half a voxel.
+  double mean_flux(const std::vector<double> &u) const {
+    const double flux = each([&](std::size_t i) {
+      const std::uint32_t up = near_[i][2 * axis_ + 1];
+      const double slope = u[i] / spacing_[axis_];
+      double part = near_[i][2 * axis_] == beyond ? 0.5 * (1 + 2 * slope) : 0;
+      if (up == beyond)
+        part += 0.5 * (1 - 2 * slope);
+      else if (up != closed)
+        part += 1 + u[up] / spacing_[axis_] - slope;
       return part;
     });
-    for (const std::uint8_t v : voxels_.open)
-      open += v;
-    return open > 0 ? flux / open : 0;
+    return size() ? flux / static_cast<double>(size()) : 0;
   }
 
-  // Sum over planes, added in their order.
-  template <class OfPlane> double sum(const OfPlane &of_plane) const {
-    std::vector<double> parts(voxels_.shape[0]);
-    workers_.loop(parts.size(), 1, [&](std::size_t x, unsigned) { parts[x] = of_plane(x); });
+  // body(i) for all voxels, summed: by chunks, which are added in their order.
+  template <class Body> double each(const Body &body) const {
+    std::vector<double> parts((size() + chunk - 1) / chunk);
+    workers_.loop(parts.size(), 4, [&](std::size_t c, unsigned) {
+      double part = 0;
+      for (std::size_t i = c * chunk; i < std::min(size(), (c + 1) * chunk); i++)
+        part += body(i);
+      parts[c] = part;
+    });
     return std::accumulate(parts.begin(), parts.end(), 0.0);
   }
 
-  // body(i) for all voxels, summed.
-  template <class Body> double each(const Body &body) const {
-    const std::size_t plane_size = voxels_.shape[1] * voxels_.shape[2];
-    return sum([&](std::size_t x) {
-      double part = 0;
-      for (std::size_t i = x * plane_size; i < (x + 1) * plane_size; i++)
-        part += body(i);
-      return part;
-    });
-  }
-
 private:
-  const OpenVoxels &voxels_;
+  static constexpr std::size_t chunk = 8192;
+  static constexpr std::uint32_t closed = std::numeric_limits<std::uint32_t>::max(), beyond = closed - 1;
+  std::array<double, 3> spacing_, weight_;
   Workers &workers_;
-  std::array<double, 3> weight_;
+  std::size_t axis_ = 0;
+  std::vector<std::array<std::uint32_t, 6>> near_; // number of the open neighbour, or closed, or beyond
 };
 
 // Conjugate gradients; isolated pieces of the open space only add constants, which do no harm.
@@ -135,34 +134,16 @@ double Transport::lambda() const {
 
 Transport transport_of(const OpenVoxels &voxels, const std::array<bool, 3> &axes, double tolerance,
                        Workers &workers, const Progress &progress) {
-  const CellProblem problem(voxels, workers);
   Transport out;
-  out.open_fraction = problem.each([&](std::size_t i) { return static_cast<double>(voxels.open[i]); }) /
-                      static_cast<double>(std::max<std::size_t>(1, problem.size()));
+  out.open_fraction = open_fraction(voxels);
+  CellProblem problem(voxels, workers);
   for (std::size_t a = 0; a < 3; a++) {
     if (!axes[a]) continue;
+    problem.set_axis(a);
     std::vector<double> u(problem.size(), 0);
-    out.iterations[a] = solve(problem, problem.source(a), tolerance, u, progress);
-    out.ratio[a] = problem.mean_flux(u, a);
+    out.iterations[a] = solve(problem, problem.source(), tolerance, u, progress);
+    out.ratio[a] = problem.mean_flux(u);
   }
-  return out;
-}
-
-OpenVoxels coarser(const OpenVoxels &voxels) {
-  OpenVoxels out;
-  const auto [nx, ny, nz] = voxels.shape;
-  out.shape = {nx / 2, ny / 2, nz / 2};
-  for (std::size_t a = 0; a < 3; a++)
-    out.spacing[a] = 2 * voxels.spacing[a];
-  for (std::size_t x = 0; x < nx / 2; x++)
-    for (std::size_t y = 0; y < ny / 2; y++)
-      for (std::size_t z = 0; z < nz / 2; z++) {
-        int open = 0;
-        for (std::size_t n = 0; n < 8; n++)
-          open += voxels.open[((2 * x + n / 4) * ny + 2 * y + n / 2 % 2) * nz + 2 * z + n % 2];
-        const std::uint8_t lowest = voxels.open[(2 * x * ny + 2 * y) * nz + 2 * z];
-        out.open.push_back(open == 4 ? lowest : open > 4);
-      }
   return out;
 }
 

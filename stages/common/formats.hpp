@@ -36,7 +36,9 @@ struct Format {
   F("network", "ConFiG-like node network", "nodes.txt (id x y z rmax), edges.txt (i j)", "um",               \
     "as it stands", "network")                                                                               \
   F("signal", "a scanner, a simulator, FSL", "a table .csv, or one of numbers with bval and bvec",           \
-    "ms/um2; s/mm2", "none", "protocol, signal")
+    "ms/um2; s/mm2", "none", "protocol, signal")                                                             \
+  F("labels", "NumPy, such as segmented electron microscopy", "an array of labels: .npy, .npz",              \
+    "voxels, of import.voxel_um", "box [0, L]", "cells, volumes")
 
 #define CONCEG_EXPORT_FORMATS(F)                                                                             \
   F("vtk", "ParaView, VTK", ".vtp, .vtm, .vti", "um", "as it stands", "skeleton, meshes or volumes")         \

@@ -2,6 +2,7 @@
 // import: files of other programs, or of our own export, -> a document.
 #include "conceg/stage.h"
 #include "formats.hpp"
+#include "labels.hpp"
 #include "scene.hpp"
 #include "signal_document.hpp"
 
@@ -40,6 +41,13 @@ const conceg_param parameters[] = {
      0, 0, 1e5},
     {"pulse_separation_ms", "ms", "signals: Delta, start to start, where the file does not say", "0", nullptr,
      CONCEG_PARAM_F64, 0, 0, 1e5},
+    {"voxel_um", "um", "labels: size of a voxel along x, y, z, such as 0.016,0.016,0.04; or one for all", "",
+     nullptr, CONCEG_PARAM_TEXT, 0, 0, 0},
+    {"array", "", "labels: which array of a .npz; empty = the only one, or `labels`", "", nullptr,
+     CONCEG_PARAM_TEXT, 0, 0, 0},
+    {"axes", "", "labels: order of the file's axes", "xyz", "xyz|zyx", CONCEG_PARAM_CHOICE, 0, 0, 0},
+    {"resample_um", "um", "labels: voxels of this size instead, by the nearest label; 0 = as they are", "0",
+     nullptr, CONCEG_PARAM_F64, 0, 0, 1e3},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};
 
 Scene read_wmg(const Request &request) {
@@ -49,7 +57,7 @@ Scene read_wmg(const Request &request) {
   return scene;
 }
 
-// Formats that are read into a scene; swc, network and signal make their document themselves.
+// Formats that are read into a scene; swc, network, signal and labels make their document themselves.
 const struct {
   const char *name;
   Scene (*read)(const Request &);
@@ -87,6 +95,19 @@ void import_signal(const Request &request, conceg_doc *doc, const conceg_params 
                                           : read_signal_fsl(names[0], options));
 }
 
+void import_labels(const Request &request, conceg_doc *doc, const conceg_params *params) {
+  const std::string &path = only_file(request, ".npy or .npz"),
+                    voxel = conceg_params_text(params, "voxel_um");
+  if (voxel.empty())
+    fail(CONCEG_E_PARAM,
+         "voxel_um: the file does not say it; give import.voxel_um, such as 0.016,0.016,0.04");
+  const LabelOptions options = {parse_voxel_um(voxel), conceg_params_f64(params, "resample_um"),
+                                std::string(conceg_params_text(params, "axes")) == "zyx"};
+  const NpyArray array = parse_numpy(read_bytes(request.ctx, path), path, conceg_params_text(params, "array"),
+                                     static_cast<double>(conceg_ctx_memory(request.ctx)));
+  write_labels(request.ctx, doc, array, options);
+}
+
 void import_files(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   const char *word = conceg_params_argument(params, 0);
   if (!word)
@@ -95,16 +116,18 @@ void import_files(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
          format_names(import_formats).c_str());
   const std::string format = word;
   const Request request = read_request(ctx, params);
-  const bool swc = format == "swc", network = format == "network", signal = format == "signal";
+  const bool swc = format == "swc", network = format == "network", signal = format == "signal",
+             labels = format == "labels";
   Scene (*read)(const Request &) = nullptr;
   for (const auto &reader : readers)
     if (format == reader.name) read = reader.read;
-  if (!swc && !network && !signal && !read)
+  if (!swc && !network && !signal && !labels && !read)
     fail(CONCEG_E_USAGE, "%s: unknown format; there are: %s", word, format_names(import_formats).c_str());
   if (request.names.empty())
     fail(CONCEG_E_USAGE, "which files? usage: conceg import %s FILES-OR-FOLDERS... -o FILE.cgx", word);
   if (signal) return import_signal(request, doc, params);
   if (network) return import_network(request, doc);
+  if (labels) return import_labels(request, doc, params);
   if (!swc) return write_document(ctx, doc, read(request), request.margin_um);
   bool restored = false;
   import_swc(request, doc, &restored);
@@ -116,9 +139,9 @@ conceg_status run(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params)
 }
 
 const char *const nothing[] = {nullptr};
-const char *const writes[] = {"recipe", "domain",   "provenance", "types",      "dictionary",
-                              "cells",  "bars",     "network",    "skeleton",   "spheres",
-                              "meshes", "protocol", "signals",    "statistics", nullptr};
+const char *const writes[] = {"recipe",   "domain",  "provenance", "types",   "dictionary", "cells",
+                              "bars",     "network", "skeleton",   "spheres", "meshes",     "volumes",
+                              "protocol", "signals", "statistics", nullptr};
 
 } // namespace
 
@@ -131,7 +154,7 @@ extern "C" const conceg_stage conceg_stage_import = {
     "1.1.0",
     "files of other programs to a document; formats: swc (SWC-plus files of conceg export give back their "
     "document), cactus, ply, "
-    "caterpillar, nfg, fastpli, wmg, network, signal",
+    "caterpillar, nfg, fastpli, wmg, network, signal, labels",
     "conceg import cactus optimized_final.txt -o bundle.cgx",
     parameters,
     nothing,

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import zipfile
 
 # A value other than a bound, and why.
 instead = {
@@ -45,6 +46,12 @@ instead = {
     "analyse.points": ("1000", "the upper bound takes minutes"),
     "analyse.field_step_um": ("1", "the lower bound is the default, the upper one is wider than a cell"),
     "analyse.composition_cubes": ("16", "the upper bound takes minutes"),
+    "analyse.composition_from_um": ("4", "the lower bound is below a voxel, the upper one wider than the box"),
+    "analyse.erode_to": ("0.9", "the lower bound is the default"),
+    "analyse.blocks": ("1", "the upper bound takes an hour"),
+    "analyse.block_um": ("5", "the lower bound holds two voxels, the upper one is wider than the box"),
+    "analyse.block_voxel_um": ("0.5", "the lower bound is the default"),
+    "import.resample_um": ("2", "the lower bound is the default, the upper one is wider than the box"),
     "render.samples": ("1", "the upper bound takes a minute"),
     "render.zoom_um": ("6", "the upper bound is wider than the box"),
     "render.size_px": ("64", "the upper bound takes a minute"),
@@ -74,6 +81,7 @@ same = {
     "triangulate.tile_um": "size of the pieces that are worked on: changes the time only",
     "analyse.icvf_tolerance": "where a warning begins: the measures are the same",
     "analyse.paths": "the voxels of this tissue are too coarse for it: unit.analyse_paths has finer ones",
+    "analyse.path_um": "the voxels of this tissue are too coarse for paths: unit.analyse_stage has finer ones",
     "analyse.pores": "the voxels of this tissue are too coarse for it: unit.analyse_stage has finer ones",
     "analyse.transport": "the voxels of this tissue are too coarse for it: unit.analyse_stage has finer ones",
     "analyse.structure_dir": "a folder for files beside the document",
@@ -126,6 +134,8 @@ texts = {
     "import.bval": "{work}/bvals",
     "import.bvec": "{work}/bvecs",
     "import.compartment": "intra",
+    "import.voxel_um": "1,1,2",
+    "import.array": "second",
     "export.cells": "0",
     "export.dir": "{work}/exported",
     "export.tiles": "2x1x1",
@@ -157,6 +167,12 @@ needs = {
     "analyse.composition_cubes": ["--composition"],
     "analyse.structure_pool": ["--structure", "{work}/real.cgx"],
     "analyse.structure_dir": ["--structure", "{work}/real.cgx"],
+    "analyse.composition_from_um": ["--composition"],
+    "analyse.erode_to": ["--composition"],
+    "analyse.blocks": ["--pores"],
+    "analyse.block_um": ["--pores", "--blocks=1"],
+    "analyse.block_voxel_um": ["--pores", "--blocks=1"],
+    **{f"import.{name}": ["--voxel-um=1"] for name in ("array", "axes", "resample_um")},
     "relax.swelling": ["--rounds", "2"],
     "grow.smoothing": ["--straightness", "free"],
     "triangulate.grade_levels": ["--nodes", "graded"],
@@ -228,6 +244,10 @@ class Parameters:
         rows = [f"{name},{b},{1 if b == 0 else signals[i - 1] * scale},{0.001 * (i + 1)}" for name, scale in (("intra", 1), ("all", 0.9)) for i, b in enumerate([0, 0.5, 1, 2, 3, 4, 6, 10])]
         (work / "signals.csv").write_text("compartment,b,signal,standard_error\n" + "\n".join(rows) + "\n")
         (work / "signals.txt").write_text("1 0.8 0.4\n")
+        with zipfile.ZipFile(work / "labels.npz", "w") as file:
+            header = b"{'descr': '|u1', 'fortran_order': False, 'shape': (4, 6, 9)}"
+            for name, step in (("labels", 1), ("second", 2)):
+                file.writestr(f"{name}.npy", b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + bytes(i * step // 7 % 5 for i in range(216)))
         (work / "bvals").write_text("0 1000 3000\n")
         (work / "bvecs").write_text("0 1 0\n0 0 1\n0 0 0\n")
         self.must("analyse", work / "mesh.cgx", "--points", "1000", "-q", "-o", work / "tables.cgx")
@@ -249,6 +269,8 @@ class Parameters:
             return ["--table", self.work / "glia.csv"]
         if stage == "import" and name in ("bval", "bvec", "compartment", "pulse_duration_ms", "pulse_separation_ms"):
             return ["signal", self.work / "signals.txt"]
+        if stage == "import" and name in ("voxel_um", "array", "axes", "resample_um"):
+            return ["labels", self.work / "labels.npz"]
         if stage == "import" and name in ("box_um", "info"):
             return ["caterpillar", self.work / "table.csv"]
         if name == "strict":

@@ -20,7 +20,7 @@ cd "$folder" || exit 1
 rm -rf found/* ./*.profraw ./*.profdata
 flags="-std=gnu11 -w -g -O1 -fno-omit-frame-pointer -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=undefined -fprofile-instr-generate -fcoverage-mapping"
 flags="$flags -march=x86-64-v2 -I$source/libconceg/include -I$source/tests -isystem $hdf5_include"
-libraries="$hdf5 $yaml -lpthread -ldl -lm"
+libraries="$hdf5 $yaml -lz -lpthread -ldl -lm"
 
 # ---- Build ----
 for file in "$source"/libconceg/src/*.c "$schema"; do
@@ -32,7 +32,7 @@ for target in document swc recipe plugin_table; do
   link -fsanitize=fuzzer "$source/tests/fuzz/fuzz_$target.c" libconceg.a -o "fuzz_$target"
 done
 if [ -n "$glm" ]; then
-  importing="scene text_file cactus caterpillar fastpli h5_bundles nfg ply network signal_files signal_document"
+  importing="scene text_file cactus caterpillar fastpli h5_bundles nfg ply network signal_files signal_document labels npy npz"
   if [ -n "$json" ]; then importing="$importing wmg"; else importing="$importing wmg_absent"; fi
   cxx=$(echo "$cc" | sed 's/clang-14/clang++-14/')
   cxxflags="$(echo "$flags" | sed 's/-std=gnu11/-std=c++17/') -I$source/stages/import -I$source/stages/common ${json_include:+-isystem $json_include}"

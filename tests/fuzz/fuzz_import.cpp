@@ -5,6 +5,7 @@ extern "C" {
 #include "fuzz.h"
 }
 
+#include "labels.hpp"
 #include "scene.hpp"
 #include "signal_document.hpp"
 #include "signal_files.hpp"
@@ -19,7 +20,7 @@ using namespace conceg::importing;
 
 struct Format {
   const char *file, *second;
-  Scene (*read)(const Request &); // null: network, signal
+  Scene (*read)(const Request &); // null: network, signal, labels
 };
 Scene read_wmg_file(const Request &request) {
   Scene scene;
@@ -31,8 +32,9 @@ const Format formats[] = {
     {"s.init", nullptr, read_cactus},    {"voxel.csv", "growth_info.txt", read_caterpillar},
     {"f.dat", nullptr, read_fastpli},    {"strand_00-r0.001000.txt", nullptr, read_nfg},
     {"w.json", nullptr, read_wmg_file},  {"c.ply", nullptr, read_ply_folder},
-    {"nodes.txt", "edges.txt", nullptr}, {"signals.csv", nullptr, nullptr}};
-constexpr std::size_t network_row = 6;
+    {"nodes.txt", "edges.txt", nullptr}, {"signals.csv", nullptr, nullptr},
+    {"l.npz", nullptr, nullptr}};
+constexpr std::size_t network_row = 6, labels_row = 8;
 
 const std::string &folder() {
   static std::string name;
@@ -63,6 +65,9 @@ void import_file(conceg_ctx *ctx, conceg_doc *doc, std::size_t which, const Requ
     write_document(ctx, doc, formats[which].read(request), request.margin_um);
   else if (which == network_row)
     import_network(request, doc);
+  else if (which == labels_row)
+    write_labels(ctx, doc, parse_numpy(read_bytes(ctx, request.names[0]), request.names[0], "", 1e8),
+                 {{1.0, 1.0, 2.0}, 0.0, false});
   else
     write_signals(doc, read_signal_table(request.names[0], {"", "", "all", 5.0, 20.0}));
 }

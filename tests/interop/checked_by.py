@@ -16,6 +16,7 @@ READ = {
     "wmg": [("samples by the description, by the names that its writer uses", "interop.files"), ("fuzzed", "hardening.fuzz")],
     "network": [("own format, there and back", "interop.files"), ("fuzzed", "hardening.fuzz")],
     "signal": [("own tables", "cli.fit", "stages/import/README.md"), ("fuzzed", "hardening.fuzz")],
+    "labels": [("files that NumPy writes", "interop.labels", "every type, order and packing: one document"), ("fuzzed", "hardening.fuzz")],
 }
 
 WRITTEN = {

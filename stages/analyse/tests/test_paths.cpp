@@ -25,7 +25,7 @@ PathStraightness straightness(const OpenVoxels &v, double least, unsigned thread
   PathSettings settings;
   settings.least = least, settings.ends = 200;
   Workers workers(threads);
-  return path_straightness(v, settings, workers, {});
+  return path_straightness({v}, settings, workers, {});
 }
 
 void empty_space() {

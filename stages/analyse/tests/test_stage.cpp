@@ -32,7 +32,8 @@ void keep_line(void *user, conceg_log_level, const char *line) {
 }
 
 template <class Spoil>
-Run run(std::uint32_t threads, bool skeleton, bool meshes, Spoil spoil, const char *set = nullptr) {
+Run run(std::uint32_t threads, bool skeleton, bool meshes, Spoil spoil, const char *set = nullptr,
+        const std::vector<const char *> &more = {}) {
   Run out;
   conceg_ctx *ctx = conceg_ctx_new();
   conceg_ctx_set_threads(ctx, threads);
@@ -45,8 +46,12 @@ Run run(std::uint32_t threads, bool skeleton, bool meshes, Spoil spoil, const ch
   if (skeleton) testing::put_skeleton(doc);
   if (meshes) testing::put_meshes(doc, 4);
   spoil(doc);
-  const char *sets[] = {"analyse.points=50000", set, nullptr};
-  CHECK_EQUAL(conceg_params_new(ctx, &conceg_stage_analyse, doc, nullptr, sets, nullptr, &params), CONCEG_OK);
+  std::vector<const char *> sets = {"analyse.points=50000"};
+  if (set) sets.push_back(set);
+  sets.insert(sets.end(), more.begin(), more.end());
+  sets.push_back(nullptr);
+  CHECK_EQUAL(conceg_params_new(ctx, &conceg_stage_analyse, doc, nullptr, sets.data(), nullptr, &params),
+              CONCEG_OK);
   out.status = conceg_stage_run(ctx, &conceg_stage_analyse, doc, params);
   out.error = conceg_ctx_error(ctx);
   if (out.status == CONCEG_OK) {
@@ -186,6 +191,49 @@ void experiments() {
   const Run small =
       run(2, true, false, put_slabs(1.3), "analyse.paths=true"); // 20 um: no pair is 10 um apart
   CHECK(small.log.find("paths: void: the box is too small") != std::string::npos);
+
+  // Labels that touch, without distances: sections of them, drawn back.
+  const auto put_touching = [&](conceg_doc *doc) {
+    put_volume(doc);
+    std::vector<std::uint32_t> label(8 * 512);
+    for (std::size_t i = 0; i < label.size(); i++)
+      label[i] = 1 + (i / 64 % 8 >= 4);
+    put(doc, "/volumes/label", label, 512);
+  };
+  const std::vector<const char *> sections = {"analyse.erode_to=0.3", "analyse.path_um=2"};
+  const Run eroded = run(2, true, false, put_touching, "analyse.pores=true", sections);
+  CHECK_EQUAL(eroded.status, CONCEG_OK);
+  CHECK(eroded.log.find("um off each membrane") != std::string::npos);
+  CHECK(eroded.log.find("erosion [um]") != std::string::npos);
+  CHECK(eroded.bytes == run(3, true, false, put_touching, "analyse.pores=true", sections).bytes);
+  CHECK(eroded.bytes !=
+        run(2, true, false, put_touching, "analyse.pores=true", {"analyse.erode_to=0.4"}).bytes);
+  CHECK_EQUAL(run(2, true, false, put_touching, "analyse.erode_to=0.3").status,
+              CONCEG_E_PARAM); // nothing to do
+  CHECK_EQUAL(run(2, true, false, nothing, "analyse.pores=true", sections).status, CONCEG_E_MISSING);
+  const auto flat = [&](conceg_doc *doc) { // voxels of another length along z
+    put_touching(doc);
+    const double origin[3] = {0.625, 0.625, 1.25}, spacing[3] = {1.25, 1.25, 2.5};
+    const std::uint64_t shape[3] = {16, 16, 8};
+    put(doc, "/volumes@origin", origin, 3);
+    put(doc, "/volumes@spacing", spacing, 3);
+    put(doc, "/volumes@shape", shape, 3);
+    put(doc, "/volumes/leaf_origin", std::vector<std::int32_t>{0, 0, 0}, 3);
+    put(doc, "/volumes/label", std::vector<std::uint32_t>(512, 0), 512);
+  };
+  CHECK(run(2, true, false, flat, "analyse.pores=true").log.find("import.resample_um") != std::string::npos);
+
+  // Blocks between three balls.
+  const std::vector<const char *> blocks = {"analyse.blocks=2", "analyse.block_um=5",
+                                            "analyse.block_voxel_um=0.25"};
+  const Run cut = run(2, false, true, nothing, "analyse.transport=true", blocks);
+  CHECK_EQUAL(cut.status, CONCEG_OK);
+  CHECK(cut.log.find("--- blocks") != std::string::npos &&
+        cut.log.find("--- transport") != std::string::npos);
+  CHECK(cut.bytes == run(3, false, true, nothing, "analyse.transport=true", blocks).bytes);
+  const Run unmeshed = run(2, true, false, nothing, "analyse.pores=true", blocks);
+  CHECK_EQUAL(unmeshed.status, CONCEG_E_MISSING);
+  CHECK(unmeshed.error.find("conceg mesh") != std::string::npos);
 
   const Run none = run(2, true, false, nothing, "analyse.spectrum=true");
   CHECK_EQUAL(none.status, CONCEG_OK);
