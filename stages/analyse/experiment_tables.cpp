@@ -65,16 +65,13 @@ Table spectrum_fit_table(const std::vector<ClassSpectrum> &spectra) {
 }
 
 Table transport_table(const Transport &coarse, double coarse_um, const Transport &fine, double fine_um) {
-  Transport limit = fine;
-  for (std::size_t a = 0; a < 3; a++)
-    limit.ratio[a] = 2 * fine.ratio[a] - coarse.ratio[a];
   Table table("transport");
   const auto put = [&](double voxel, const Transport &t) {
     table.put("voxel", voxel, "um"), table.put("ecs_fraction", t.open_fraction, "1");
     table.put("ratio_x", t.ratio[0], "1"), table.put("ratio_y", t.ratio[1], "1");
     table.put("ratio_z", t.ratio[2], "1"), table.put("lambda", t.lambda(), "1");
   };
-  put(coarse_um, coarse), put(fine_um, fine), put(0, limit);
+  put(coarse_um, coarse), put(fine_um, fine), put(0, extrapolated(coarse, fine));
   return table;
 }
 

@@ -37,5 +37,6 @@ Transport transport_of(const OpenVoxels &voxels, const std::array<bool, 3> &axes
 // The same at voxels of twice the size, each of which is open where most of its eight are (the lowest one
 // decides between halves); for extrapolation D*(0) = 2 D*(h) - D*(2 h). All sides must be even.
 OpenVoxels coarser(const OpenVoxels &voxels);
+Transport extrapolated(const Transport &coarse, const Transport &fine);
 
 } // namespace conceg::analyse

@@ -41,6 +41,8 @@ instead = {
     "simulate.step_ms": ("0.05", "the lower bound takes a thousand times the steps"),
     "analyse.points": ("1000", "the upper bound takes minutes"),
     "analyse.field_step_um": ("1", "the lower bound is the default, the upper one is wider than a cell"),
+    "analyse.tail_from_ms": ("0.1", "the lower bound is the default, the upper one is beyond the walk"),
+    "analyse.tail_to_ms": ("2", "the lower bound is the default, the upper one is beyond the walk"),
     "analyse.composition_cubes": ("16", "the upper bound takes minutes"),
     "render.samples": ("1", "the upper bound takes a minute"),
     "render.zoom_um": ("6", "the upper bound is wider than the box"),
@@ -70,6 +72,7 @@ same = {
     "analyse.icvf_tolerance": "where a warning begins: the measures are the same",
     "analyse.paths": "the voxels of this tissue are too coarse for it: unit.analyse_paths has finer ones",
     "analyse.pores": "the voxels of this tissue are too coarse for it: unit.analyse_stage has finer ones",
+    "analyse.csv": "a folder for tables beside the document",
     "analyse.transport": "the voxels of this tissue are too coarse for it: unit.analyse_stage has finer ones",
     "characterise.root": "a folder that the files of this test are not in",
     "characterise.csv": "a folder for files beside the document",
@@ -103,6 +106,7 @@ texts = {
     "simulate.b": "0,2",
     "simulate.permeability": "0.05",
     "simulate.times_ms": "0.5",
+    "analyse.csv": "{work}/csv",
     "simulate.csv": "{work}/signals",
     "simulate.nifti": "{work}/signals",
     "simulate.pictures": "{work}/signals",
@@ -142,6 +146,7 @@ needs = {
     "export.walkers": ["--to", "mcdc"],
     **{f"export.{name}": ["--to", "mcdc", "--walkers", "10"] for name in ("diffusivity_um2_per_ms", "b_values_ms_per_um2", "directions", "pulse_ms", "separation_ms")},
     "relax.widening_um": ["--rounds", "2"],
+    **{f"analyse.{name}": ["--diffusivity"] for name in ("tail_from_ms", "tail_to_ms", "csv")},
     "analyse.composition_cubes": ["--composition"],
     "relax.swelling": ["--rounds", "2"],
     "grow.smoothing": ["--straightness", "free"],
@@ -216,6 +221,8 @@ class Parameters:
         (work / "bvals").write_text("0 1000 3000\n")
         (work / "bvecs").write_text("0 1 0\n0 0 1\n0 0 0\n")
         self.must("import", "signal", work / "signals.csv", "--pulse-duration-ms=5", "--pulse-separation-ms=20", "-q", "-o", work / "signals.cgx")
+        if (self.programs / "conceg-simulate").exists():
+            self.must("simulate", work / "mesh.cgx", *quick["simulate"], "--times-ms=0.1:4:12", "-q", "-o", work / "walked.cgx")
         made = work / "made"
         self.inputs = {
             "place": ["-p", recipe], "triangulate": [made / "01-place.cgx"], "grow": [made / "02-triangulate.cgx"], "relax": [made / "03-grow.cgx"],
@@ -229,6 +236,8 @@ class Parameters:
             return ["--table", self.work / "glia.csv"]
         if stage == "import" and name in ("bval", "bvec", "compartment", "pulse_duration_ms", "pulse_separation_ms"):
             return ["signal", self.work / "signals.txt"]
+        if stage == "analyse" and name in ("diffusivity", "tail_from_ms", "tail_to_ms", "csv") and (self.work / "walked.cgx").exists():
+            return [self.work / "walked.cgx"]
         if stage == "import" and name in ("box_um", "info"):
             return ["caterpillar", self.work / "table.csv"]
         if name == "strict":

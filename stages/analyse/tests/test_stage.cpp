@@ -187,6 +187,10 @@ void experiments() {
       run(2, true, false, put_slabs(1.3), "analyse.paths=true"); // 20 um: no pair is 10 um apart
   CHECK(small.log.find("paths: void: the box is too small") != std::string::npos);
 
+  const Run still = run(2, true, false, nothing, "analyse.diffusivity=true");
+  CHECK_EQUAL(still.status, CONCEG_E_MISSING);
+  CHECK(still.error.find("run conceg simulate --times-ms") != std::string::npos);
+
   const Run none = run(2, true, false, nothing, "analyse.spectrum=true");
   CHECK_EQUAL(none.status, CONCEG_OK);
   CHECK(none.log.find("spectrum: void for class") != std::string::npos);
