@@ -136,7 +136,11 @@ static int wait_for(struct bench *bench, pid_t child, const char *kind, struct r
       kill(child, SIGTERM);
   if (signals_cancelled()) return cli_fail(cli, EXIT_CANCELLED, "cancelled; the boxes that are done are kept");
   if (WIFEXITED(state) && WEXITSTATUS(state) == 0) return EXIT_OK;
-  if (WIFEXITED(state)) return cli_fail(cli, EXIT_STAGE, "%s ended with exit code %d", kind, WEXITSTATUS(state));
+  if (WIFEXITED(state) && WEXITSTATUS(state) <= EXIT_CANCELLED) { /* the stage has said why */
+    fprintf(stderr, "conceg bench: %s failed; the boxes that are done are kept\n", kind);
+    return WEXITSTATUS(state);
+  }
+  if (WIFEXITED(state)) return cli_fail(cli, EXIT_MISSING, "%s cannot be run (exit code %d)", kind, WEXITSTATUS(state));
   return cli_fail(cli, EXIT_STAGE, "%s was ended by signal %d", kind, WIFSIGNALED(state) ? WTERMSIG(state) : 0);
 }
 

@@ -21,7 +21,7 @@ Recipe simulation_parameters(conceg_ctx *ctx, conceg_doc *doc) {
   for (std::size_t i = std::min(stage.size(), parameters.size()); i-- > 0;) {
     if (stage[i] != "simulate") continue;
     conceg_recipe *parsed = nullptr;
-    must(conceg_recipe_parse(ctx, ("simulate: " + parameters[i] + "\n").c_str(), "/provenance/parameters", &parsed));
+    must(conceg_recipe_parse(ctx, ("conceg: 1\nsimulate: " + parameters[i] + "\n").c_str(), "/provenance/parameters", &parsed));
     out.reset(parsed);
     break;
   }

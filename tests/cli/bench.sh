@@ -25,16 +25,16 @@ expect 4 "no such file|cannot be read|cannot open" conceg bench scaling absent.y
 expect_true "nothing was made" test ! -e out
 
 # Two boxes by their number of cells, through all stages; the second call keeps the first one's box.
-expect 0 "box 1 of 1, 10 um: mesh" conceg bench scaling "$recipe" --threads 1 --set mesh.h_um=0.5 --sides 10:1 -o out
-expect 0 "box 1 of 2, 10 um: kept from before" conceg bench scaling "$recipe" --threads 1 --set mesh.h_um=0.5 --sides 10:1,12:2 -o out
+expect 0 "box 1 of 1, 16 um: mesh" conceg bench scaling "$recipe" --threads 1 --set mesh.h_um=0.5 --sides 16:1 -o out
+expect 0 "box 1 of 2, 16 um: kept from before" conceg bench scaling "$recipe" --threads 1 --set mesh.h_um=0.5 --sides 16:1,20:2 -o out
 expect_output "^side .um. +cells +nodes +triangles +icvf"
-expect_output "^12 +2 +[1-9][0-9]+ +[1-9][0-9]+ +0\.[0-9]+"
+expect_output "^20 +2 +[1-9][0-9]+ +[1-9][0-9]+ +0\.[0-9]+"
 expect_output "^wall time: void: fewer than 3 boxes"
 expect_true "five stages of two boxes" test "$(grep -cE ',(place|triangulate|grow|relax|mesh),' out/scaling.csv)" -eq 10
 expect_true "no document is left" sh -c '! ls -A out | grep -vE "^scaling\.(csv|json|svg)$"'
-expect 2 "another recipe, version, seed or number of threads" conceg bench scaling "$recipe" --threads 1 --sides 10:1 -o out
+expect 2 "another recipe, version, seed or number of threads" conceg bench scaling "$recipe" --threads 1 --sides 16:1 -o out
 cp -r out before
-expect 0 "" conceg bench scaling "$recipe" --threads 1 --set mesh.h_um=0.5 --sides 12:2 -o out -q
+expect 0 "" conceg bench scaling "$recipe" --threads 1 --set mesh.h_um=0.5 --sides 20:2 -o out -q
 expect_same before/scaling.csv out/scaling.csv
 if command -v python3 > /dev/null; then
   expect_true "JSON and SVG read" python3 -c '
@@ -48,7 +48,7 @@ fi
 
 # A planted law: seconds of both stages together 50 (V / 1e6)^1.077. Cells by number take no part.
 mkdir planted
-expect 0 "" conceg bench scaling "$recipe" --threads 1 --until triangulate --sides 10:1 -o two -q
+expect 0 "" conceg bench scaling "$recipe" --threads 1 --until triangulate --sides 16:1 -o two -q
 key=$(sed -n 2p two/scaling.csv | cut -d, -f1-4)
 { head -1 two/scaling.csv
   for side in 20 30 40 60 80 100; do
@@ -58,7 +58,7 @@ key=$(sed -n 2p two/scaling.csv | cut -d, -f1-4)
       printf "%s,%g,0,1,2,3,0.5,0,triangulate,%.6f,%.6f,0,9\n", key, side, 0.75 * t, 0.5 * t }'
   done
   tail -2 two/scaling.csv; } > planted/scaling.csv
-expect 0 "" conceg bench scaling "$recipe" --threads 1 --until triangulate --sides 20,30,40,60,80,100,10:1 -o planted
+expect 0 "" conceg bench scaling "$recipe" --threads 1 --until triangulate --sides 20,30,40,60,80,100,16:1 -o planted
 expect_output "^wall time: V\^1\.077 \+- 0\.000 over 5 boxes from 30 um, 50 s at 100 um \(paper: V\^1\.077, 10800 s\)"
 expect_output "^user CPU time: V\^1\.077 "
 sed '3s/,place\|,triangulate/,/' planted/scaling.csv > damaged; mkdir spoilt; cp damaged spoilt/scaling.csv
@@ -67,7 +67,7 @@ echo "not a table" > spoilt/scaling.csv
 expect 3 "scaling.csv:1: expected a table" conceg bench scaling "$recipe" --threads 1 --until triangulate --sides 20 -o spoilt
 
 # A stage that fails ends the bench; what was done stays.
-expect 1 "ended with exit code" conceg bench scaling "$recipe" --threads 1 --until triangulate --sides 10:1,2:5000 -o two -q
+expect 3 "place failed; the boxes that are done are kept" conceg bench scaling "$recipe" --threads 1 --until triangulate --sides 16:1,2:1 -o two -q
 expect_true "the box that was done is kept" test "$(wc -l < two/scaling.csv)" -eq 3
 expect_true "no document is left after a failure" sh -c '! ls -A two | grep -vE "^scaling\.(csv|json|svg)$"'
 expect_done
