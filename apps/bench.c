@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- * conceg bench scaling: the stages of a recipe in boxes of several sizes, each stage in a process of its own. */
+ * conceg bench scaling: the stages of a recipe in boxes of several sizes, each stage in a process of its own.
+ */
 #define _GNU_SOURCE
 #include "bench.h"
 
@@ -45,12 +46,13 @@ static int read_sides(struct bench *bench) {
     memset(&row, 0, sizeof row);
     row.side_um = strtod(at, &end);
     if (*end == ':') cells = strtod(end + 1, &end);
-    if ((*end && *end != ',') || !(row.side_um >= 1 && row.side_um <= 10000) || !(cells >= 0 && cells <= 1e9) ||
-        cells != (double)(uint64_t)cells)
-      return cli_fail(&bench->cli, EXIT_USAGE,
-                      "--sides: expected sides of 1 to 10000 um with commas between, each alone or as SIDE:CELLS, got "
-                      "\"%.60s\"",
-                      bench->sides);
+    if ((*end && *end != ',') || !(row.side_um >= 1 && row.side_um <= 10000) ||
+        !(cells >= 0 && cells <= 1e9) || cells != (double)(uint64_t)cells)
+      return cli_fail(
+          &bench->cli, EXIT_USAGE,
+          "--sides: expected sides of 1 to 10000 um with commas between, each alone or as SIDE:CELLS, got "
+          "\"%.60s\"",
+          bench->sides);
     row.cells_asked = (uint64_t)cells;
     for (i = 0; i < bench->asked.count; i++)
       if (is_same_box(&bench->asked.row[i], &row))
@@ -60,7 +62,8 @@ static int read_sides(struct bench *bench) {
     bench->asked.row[bench->asked.count++] = row;
     at = end + (*end == ',');
   }
-  return bench->asked.count ? EXIT_OK : cli_fail(&bench->cli, EXIT_USAGE, "--sides: expected at least one side");
+  return bench->asked.count ? EXIT_OK
+                            : cli_fail(&bench->cli, EXIT_USAGE, "--sides: expected at least one side");
 }
 
 /* FNV-1a of the canonical recipe and of the stages. */
@@ -134,14 +137,17 @@ static int wait_for(struct bench *bench, pid_t child, const char *kind, struct r
       return cli_fail(cli, EXIT_STAGE, "%s: %s", kind, strerror(errno));
     else if (signals_cancelled())
       kill(child, SIGTERM);
-  if (signals_cancelled()) return cli_fail(cli, EXIT_CANCELLED, "cancelled; the boxes that are done are kept");
+  if (signals_cancelled())
+    return cli_fail(cli, EXIT_CANCELLED, "cancelled; the boxes that are done are kept");
   if (WIFEXITED(state) && WEXITSTATUS(state) == 0) return EXIT_OK;
   if (WIFEXITED(state) && WEXITSTATUS(state) <= EXIT_CANCELLED) { /* the stage has said why */
     fprintf(stderr, "conceg bench: %s failed; the boxes that are done are kept\n", kind);
     return WEXITSTATUS(state);
   }
-  if (WIFEXITED(state)) return cli_fail(cli, EXIT_MISSING, "%s cannot be run (exit code %d)", kind, WEXITSTATUS(state));
-  return cli_fail(cli, EXIT_STAGE, "%s was ended by signal %d", kind, WIFSIGNALED(state) ? WTERMSIG(state) : 0);
+  if (WIFEXITED(state))
+    return cli_fail(cli, EXIT_MISSING, "%s cannot be run (exit code %d)", kind, WEXITSTATUS(state));
+  return cli_fail(cli, EXIT_STAGE, "%s was ended by signal %d", kind,
+                  WIFSIGNALED(state) ? WTERMSIG(state) : 0);
 }
 
 static double seconds(const struct timeval *t) {
@@ -180,7 +186,8 @@ static int run_stage(struct bench *bench, struct bench_row *row, uint32_t index)
 
 static int has_array(struct bench *bench, conceg_doc *doc, const char *path, conceg_array *out) {
   memset(out, 0, sizeof *out);
-  return conceg_doc_has(doc, path) && read_array(&bench->cli, doc, path, out) == EXIT_OK && conceg_array_count(out) > 0;
+  return conceg_doc_has(doc, path) && read_array(&bench->cli, doc, path, out) == EXIT_OK &&
+         conceg_array_count(out) > 0;
 }
 
 static int read_sizes(struct bench *bench, struct bench_row *row) {
@@ -211,8 +218,8 @@ static int run_box(struct bench *bench, struct bench_row *row, uint32_t number) 
       code = cli_fail(cli, EXIT_IO, "%s: %s", in_folder(bench, "after.cgx"), strerror(errno));
     if (code == EXIT_OK && !cli->quiet)
       fprintf(stderr, "conceg bench: box %u of %u, %g um: %s %.1f s, %.1f s of CPU, %.0f MiB\n", number,
-              bench->asked.count, row->side_um, row->stage[i].kind, row->stage[i].wall_s, row->stage[i].user_s,
-              row->stage[i].peak_mib);
+              bench->asked.count, row->side_um, row->stage[i].kind, row->stage[i].wall_s,
+              row->stage[i].user_s, row->stage[i].peak_mib);
   }
   unlink(in_folder(bench, "before.cgx")), unlink(in_folder(bench, "after.cgx"));
   return code;
@@ -243,12 +250,13 @@ static int run_boxes(struct bench *bench) {
     struct bench_row row = bench->asked.row[i];
     if (is_done(bench, &row)) {
       if (!bench->cli.quiet)
-        fprintf(stderr, "conceg bench: box %u of %u, %g um: kept from before\n", i + 1, bench->asked.count, row.side_um);
+        fprintf(stderr, "conceg bench: box %u of %u, %g um: kept from before\n", i + 1, bench->asked.count,
+                row.side_um);
       continue;
     }
     if (bench->done.count == BENCH_ROWS)
-      return cli_fail(&bench->cli, EXIT_USAGE, "%s: holds %d boxes already; choose another folder", bench->folder,
-                      BENCH_ROWS);
+      return cli_fail(&bench->cli, EXIT_USAGE, "%s: holds %d boxes already; choose another folder",
+                      bench->folder, BENCH_ROWS);
     code = run_box(bench, &row, i + 1);
     if (code != EXIT_OK) break;
     bench->done.row[bench->done.count++] = row;
@@ -269,8 +277,10 @@ static void print_fit(const char *what, const struct bench_fit *fit) {
 static void print_table(struct bench *bench) {
   struct cli *cli = &bench->cli;
   struct table table = {.columns = 8};
-  const struct bench_fit wall = bench_fit_rows(&bench->done, NULL, 0), user = bench_fit_rows(&bench->done, NULL, 1);
-  static const char *const title[] = {"side [um]", "cells", "nodes", "triangles", "icvf", "wall [s]", "CPU [s]", "peak [MiB]"};
+  const struct bench_fit wall = bench_fit_rows(&bench->done, NULL, 0),
+                         user = bench_fit_rows(&bench->done, NULL, 1);
+  static const char *const title[] = {"side [um]", "cells",    "nodes",   "triangles",
+                                      "icvf",      "wall [s]", "CPU [s]", "peak [MiB]"};
   uint32_t i, k;
   for (i = 0; i < 8; i++)
     words_add(&table.cells, title[i]);
@@ -293,7 +303,8 @@ static void print_table(struct bench *bench) {
   print_fit("wall time", &wall), print_fit("user CPU time", &user);
 }
 
-/* The folder, which one bench at a time works in: a descriptor that holds the lock, or -1 after an error line. */
+/* The folder, which one bench at a time works in: a descriptor that holds the lock, or -1 after an error
+ * line. */
 static int lock_folder(struct bench *bench) {
   int folder;
   if (mkdir(bench->folder, 0777) && errno != EEXIST) {
@@ -315,15 +326,15 @@ static int bench_scaling(struct bench *bench) {
   struct cli *cli = &bench->cli;
   const ssize_t length = readlink("/proc/self/exe", bench->self, sizeof bench->self - 1);
   int code, folder;
-  if (length <= 0) return cli_fail(cli, EXIT_MISSING, "the system does not tell where this program is (/proc)");
+  if (length <= 0)
+    return cli_fail(cli, EXIT_MISSING, "the system does not tell where this program is (/proc)");
   bench->self[length] = '\0';
   if (!cli->words.count || strcmp(cli->words.word[0], "scaling") != 0)
     return cli_fail(cli, EXIT_USAGE, "which bench? usage: %s %s", cli->program->name, cli->program->usage);
   bench->recipe_path = cli->recipe ? cli->recipe : cli->words.count > 1 ? cli->words.word[1] : NULL;
   if (!bench->recipe_path || (cli->recipe && cli->words.count > 1))
     return cli_fail(cli, EXIT_USAGE, "which recipe? usage: %s %s", cli->program->name, cli->program->usage);
-  if (!cli->output)
-    return cli_fail(cli, EXIT_USAGE, "where to? give a folder with -o DIR");
+  if (!cli->output) return cli_fail(cli, EXIT_USAGE, "where to? give a folder with -o DIR");
   bench->folder = cli->output;
   code = read_sides(bench);
   if (code == EXIT_OK) code = read_recipe(bench);
@@ -343,17 +354,20 @@ static int bench_scaling(struct bench *bench) {
 int tool_bench(int argc, char **argv) {
   static struct bench bench;
   static const struct cli_word words[] = {
-      {"scaling", "seconds, memory and sizes of every stage in boxes of several sides, and the exponent in the volume"},
+      {"scaling",
+       "seconds, memory and sizes of every stage in boxes of several sides, and the exponent in the volume"},
       {NULL, NULL}};
   const struct cli_option options[] = {
-      {"sides", 0, "LIST", "sides of the boxes in um, each alone or as SIDE:CELLS (default " DEFAULT_SIDES ")", NULL,
+      {"sides", 0, "LIST",
+       "sides of the boxes in um, each alone or as SIDE:CELLS (default " DEFAULT_SIDES ")", NULL,
        &bench.sides, NULL},
       {"until", 0, "STAGE", "end after this stage (default mesh)", NULL, &bench.until, NULL},
       {NULL, 0, NULL, NULL, NULL, NULL, NULL}};
   const struct cli_program program = {
       .name = "conceg bench",
       .usage = "scaling RECIPE [options] -o DIR",
-      .summary = "what a recipe costs: DIR/scaling.csv, .json and .svg; boxes that DIR holds already are kept",
+      .summary =
+          "what a recipe costs: DIR/scaling.csv, .json and .svg; boxes that DIR holds already are kept",
       .example = "conceg bench scaling cube.yaml --sides 20,30,40 -o scaling",
       .options = options,
       .words = words,

@@ -40,11 +40,11 @@ struct bench_rows {
 double bench_wall(const struct bench_row *row); /* of all stages, s */
 double bench_user(const struct bench_row *row);
 
-/* ln t = a + exponent ln V, least squares over the rows of the recipe's own density from 30 um on (all of them when
- * these are fewer than 3). */
+/* ln t = a + exponent ln V, least squares over the rows of the recipe's own density from 30 um on (all of
+ * them when these are fewer than 3). */
 struct bench_fit {
-  uint32_t rows;               /* fewer than 3: nothing was fitted */
-  double exponent, error;      /* standard error, from the residuals */
+  uint32_t rows;                     /* fewer than 3: nothing was fitted */
+  double exponent, error;            /* standard error, from the residuals */
   double seconds_at_100_um, from_um; /* from_um: the smallest box that was fitted */
 };
 /* `stage` NULL = all; `cpu` 1 = user CPU time, 0 = wall time. */

@@ -9,7 +9,8 @@
 
 /* ---- JSON ---- */
 
-/* The value after "name ... :" in a file of /proc; "unknown" where there is none. Quotes and what is not text go. */
+/* The value after "name ... :" in a file of /proc; "unknown" where there is none. Quotes and what is not text
+ * go. */
 static void proc_value(const char *path, const char *name, char *out, size_t size) {
   char line[512];
   FILE *in = fopen(path, "re");
@@ -47,14 +48,17 @@ static int is_repeated(const struct bench_row *row, uint32_t index) {
 
 static void json_row(FILE *out, const struct bench_row *r, const char *end) {
   uint32_t k;
-  fprintf(out,
-          "    {\"side_um\": %g, \"cells_asked\": %llu, \"cells\": %llu, \"nodes\": %llu, \"triangles\": %llu, "
-          "\"icvf\": %.6f, \"load_before\": %.2f, \"wall_s\": %.3f, \"user_s\": %.3f, \"stages\": [",
-          r->side_um, (unsigned long long)r->cells_asked, (unsigned long long)r->cells, (unsigned long long)r->nodes,
-          (unsigned long long)r->triangles, r->icvf, r->load, bench_wall(r), bench_user(r));
+  fprintf(
+      out,
+      "    {\"side_um\": %g, \"cells_asked\": %llu, \"cells\": %llu, \"nodes\": %llu, \"triangles\": %llu, "
+      "\"icvf\": %.6f, \"load_before\": %.2f, \"wall_s\": %.3f, \"user_s\": %.3f, \"stages\": [",
+      r->side_um, (unsigned long long)r->cells_asked, (unsigned long long)r->cells,
+      (unsigned long long)r->nodes, (unsigned long long)r->triangles, r->icvf, r->load, bench_wall(r),
+      bench_user(r));
   for (k = 0; k < r->stages; k++)
     fprintf(out,
-            "%s\n      {\"stage\": \"%s\", \"wall_s\": %.3f, \"user_s\": %.3f, \"system_s\": %.3f, \"peak_mib\": %.1f}",
+            "%s\n      {\"stage\": \"%s\", \"wall_s\": %.3f, \"user_s\": %.3f, \"system_s\": %.3f, "
+            "\"peak_mib\": %.1f}",
             k ? "," : "", r->stage[k].kind, r->stage[k].wall_s, r->stage[k].user_s, r->stage[k].system_s,
             r->stage[k].peak_mib);
   fprintf(out, "]}%s\n", end);
@@ -66,12 +70,12 @@ void bench_json(FILE *out, const struct bench_rows *rows, const struct bench_key
   uint32_t i;
   proc_value("/proc/cpuinfo", "model name", processor, sizeof processor);
   proc_value("/proc/meminfo", "MemTotal", memory, sizeof memory);
-  fprintf(out, "{\n  \"recipe\": \"%s\", \"version\": \"%s\", \"seed\": %llu, \"threads\": %u,\n", key->recipe,
-          key->version, (unsigned long long)key->seed, key->threads);
-  fprintf(out, "  \"machine\": {\"processor\": \"%s\", \"processors\": %ld, \"memory\": \"%s\"},\n", processor,
-          sysconf(_SC_NPROCESSORS_ONLN), memory);
-  fprintf(out, "  \"paper\": {\"exponent\": %g, \"seconds_at_100_um\": %g},\n  \"fits\": {\n", BENCH_PAPER_EXPONENT,
-          BENCH_PAPER_SECONDS);
+  fprintf(out, "{\n  \"recipe\": \"%s\", \"version\": \"%s\", \"seed\": %llu, \"threads\": %u,\n",
+          key->recipe, key->version, (unsigned long long)key->seed, key->threads);
+  fprintf(out, "  \"machine\": {\"processor\": \"%s\", \"processors\": %ld, \"memory\": \"%s\"},\n",
+          processor, sysconf(_SC_NPROCESSORS_ONLN), memory);
+  fprintf(out, "  \"paper\": {\"exponent\": %g, \"seconds_at_100_um\": %g},\n  \"fits\": {\n",
+          BENCH_PAPER_EXPONENT, BENCH_PAPER_SECONDS);
   for (i = 0; rows->count && i < rows->row[0].stages; i++) {
     const struct bench_fit stage = bench_fit_rows(rows, rows->row[0].stage[i].kind, 0);
     if (!is_repeated(&rows->row[0], i)) json_fit(out, rows->row[0].stage[i].kind, &stage, ",");
@@ -136,19 +140,23 @@ static void svg_axes(FILE *out, const struct frame *f) {
     snprintf(power, sizeof power, "%g", pow(10, at));
     svg_text(out, LEFT - 7, place_y(f, at) + 4, "end", power);
   }
-  svg_text(out, LEFT + WIDTH / 2, TOP + HEIGHT + 36, "middle", "volume of the box (um<tspan dy=\"-4\" font-size=\"8\">3</tspan>)");
-  fprintf(out, "<text transform=\"translate(16 %.1f) rotate(-90)\" text-anchor=\"middle\">wall time (s)</text>\n",
+  svg_text(out, LEFT + WIDTH / 2, TOP + HEIGHT + 36, "middle",
+           "volume of the box (um<tspan dy=\"-4\" font-size=\"8\">3</tspan>)");
+  fprintf(out,
+          "<text transform=\"translate(16 %.1f) rotate(-90)\" text-anchor=\"middle\">wall time (s)</text>\n",
           TOP + HEIGHT / 2);
 }
 
 /* seconds = at_100_um (V / 1e6)^exponent over the whole width. */
 static void svg_law(FILE *out, const struct frame *f, double at_100_um, double exponent, const char *style) {
-  const double left = log10(at_100_um) + exponent * (f->low_x - 6), right = log10(at_100_um) + exponent * (f->high_x - 6);
-  fprintf(out, "<path d=\"M%.1f %.1fL%.1f %.1f\" fill=\"none\" clip-path=\"url(#plot)\" %s/>\n", place_x(f, f->low_x),
-          place_y(f, left), place_x(f, f->high_x), place_y(f, right), style);
+  const double left = log10(at_100_um) + exponent * (f->low_x - 6),
+               right = log10(at_100_um) + exponent * (f->high_x - 6);
+  fprintf(out, "<path d=\"M%.1f %.1fL%.1f %.1f\" fill=\"none\" clip-path=\"url(#plot)\" %s/>\n",
+          place_x(f, f->low_x), place_y(f, left), place_x(f, f->high_x), place_y(f, right), style);
 }
 
-static void svg_dots(FILE *out, const struct frame *f, const struct bench_rows *rows, const char *kind, const char *colour) {
+static void svg_dots(FILE *out, const struct frame *f, const struct bench_rows *rows, const char *kind,
+                     const char *colour) {
   uint32_t i, k;
   for (i = 0; i < rows->count; i++) {
     const struct bench_row *row = &rows->row[i];
@@ -163,7 +171,8 @@ static void svg_dots(FILE *out, const struct frame *f, const struct bench_rows *
 }
 
 void bench_svg(FILE *out, const struct bench_rows *rows, const struct bench_key *key) {
-  static const char *const colour[] = {"#2471a3", "#d68910", "#1e8449", "#7d3c98", "#0e6655", "#935116", "#5d6d7e"};
+  static const char *const colour[] = {"#2471a3", "#d68910", "#1e8449", "#7d3c98",
+                                       "#0e6655", "#935116", "#5d6d7e"};
   const struct frame f = frame_of(rows);
   const struct bench_fit fit = bench_fit_rows(rows, NULL, 0);
   const double keys = LEFT + WIDTH + 18;
@@ -173,7 +182,8 @@ void bench_svg(FILE *out, const struct bench_rows *rows, const struct bench_key 
   (void)key;
   fprintf(out,
           "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"640\" height=\"330\" viewBox=\"0 0 640 330\" "
-          "font-family=\"sans-serif\" font-size=\"11\">\n<title>Time to make a substrate against its volume</title>\n"
+          "font-family=\"sans-serif\" font-size=\"11\">\n<title>Time to make a substrate against its "
+          "volume</title>\n"
           "<rect width=\"640\" height=\"330\" fill=\"white\"/>\n"
           "<clipPath id=\"plot\"><rect x=\"%g\" y=\"%g\" width=\"%g\" height=\"%g\"/></clipPath>\n",
           LEFT, TOP, WIDTH, HEIGHT);
@@ -184,7 +194,8 @@ void bench_svg(FILE *out, const struct bench_rows *rows, const struct bench_key 
   svg_text(out, keys + 13, y, "start", words);
   if (fit.rows >= 3) {
     svg_law(out, &f, fit.seconds_at_100_um, fit.exponent, "stroke=\"#c0392b\"");
-    snprintf(words, sizeof words, "fit from %g um: V^%.3f \302\261 %.3f", fit.from_um, fit.exponent, fit.error);
+    snprintf(words, sizeof words, "fit from %g um: V^%.3f \302\261 %.3f", fit.from_um, fit.exponent,
+             fit.error);
     y += 16;
     fprintf(out, "<path d=\"M%.1f %.1fh18\" stroke=\"#c0392b\"/>\n", keys - 9, y - 4);
     svg_text(out, keys + 13, y, "start", words);
@@ -194,7 +205,8 @@ void bench_svg(FILE *out, const struct bench_rows *rows, const struct bench_key 
   fprintf(out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3.6\" fill=\"#c0392b\"/>\n", keys, y - 4);
   svg_text(out, keys + 13, y, "start", "all stages");
   for (i = 0; rows->count && i < rows->row[0].stages; i++) {
-    const char *const kind = rows->row[0].stage[i].kind, *const own = colour[i % (sizeof colour / sizeof *colour)];
+    const char *const kind = rows->row[0].stage[i].kind, *const own =
+                                                             colour[i % (sizeof colour / sizeof *colour)];
     if (is_repeated(&rows->row[0], i)) continue;
     svg_dots(out, &f, rows, kind, own);
     y += 16;
@@ -204,7 +216,8 @@ void bench_svg(FILE *out, const struct bench_rows *rows, const struct bench_key 
   for (i = 0; i < rows->count; i++)
     if (rows->row[i].cells_asked) {
       y += 16;
-      fprintf(out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3.6\" fill=\"white\" stroke=\"#c0392b\"/>\n", keys, y - 4);
+      fprintf(out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3.6\" fill=\"white\" stroke=\"#c0392b\"/>\n", keys,
+              y - 4);
       snprintf(words, sizeof words, "%llu cells alone", (unsigned long long)rows->row[i].cells_asked);
       svg_text(out, keys + 13, y, "start", words);
     }

@@ -68,8 +68,9 @@ struct bench_fit bench_fit_rows(const struct bench_rows *rows, const char *stage
 
 /* ---- CSV: a line per box and stage ---- */
 
-static const char header[] = "recipe,version,seed,threads,side_um,cells_asked,cells,nodes,triangles,icvf,load,stage,"
-                             "wall_s,user_s,system_s,peak_mib";
+static const char header[] =
+    "recipe,version,seed,threads,side_um,cells_asked,cells,nodes,triangles,icvf,load,stage,"
+    "wall_s,user_s,system_s,peak_mib";
 #define COLUMNS 16
 
 void bench_csv(FILE *out, const struct bench_rows *rows, const struct bench_key *key) {
@@ -126,7 +127,8 @@ static int keep_line(struct bench_rows *rows, char *const field[COLUMNS]) {
   if (row->stages == BENCH_STAGES) return 0;
   stage = &row->stage[row->stages++];
   strcpy(stage->kind, field[11]);
-  stage->wall_s = value[12], stage->user_s = value[13], stage->system_s = value[14], stage->peak_mib = value[15];
+  stage->wall_s = value[12], stage->user_s = value[13], stage->system_s = value[14],
+  stage->peak_mib = value[15];
   return 1;
 }
 
@@ -140,17 +142,21 @@ static int read_lines(struct cli *cli, const char *path, FILE *in, const struct 
     if (++number == 1) {
       line[strcspn(line, "\r\n")] = '\0';
       if (strcmp(line, header) != 0)
-        return cli_fail(cli, EXIT_INPUT, "%s:1: expected a table of conceg bench scaling; choose another folder", path);
+        return cli_fail(cli, EXIT_INPUT,
+                        "%s:1: expected a table of conceg bench scaling; choose another folder", path);
       continue;
     }
-    if (!split(line, field)) return cli_fail(cli, EXIT_INPUT, "%s:%u: expected %d fields", path, number, COLUMNS);
-    if (strcmp(field[0], key->recipe) != 0 || strcmp(field[1], key->version) != 0 || strcmp(field[2], seed) != 0 ||
-        strcmp(field[3], threads) != 0)
-      return cli_fail(cli, EXIT_USAGE,
-                      "%s:%u: is of another recipe, version, seed or number of threads; choose another folder", path,
-                      number);
+    if (!split(line, field))
+      return cli_fail(cli, EXIT_INPUT, "%s:%u: expected %d fields", path, number, COLUMNS);
+    if (strcmp(field[0], key->recipe) != 0 || strcmp(field[1], key->version) != 0 ||
+        strcmp(field[2], seed) != 0 || strcmp(field[3], threads) != 0)
+      return cli_fail(
+          cli, EXIT_USAGE,
+          "%s:%u: is of another recipe, version, seed or number of threads; choose another folder", path,
+          number);
     if (!keep_line(out, field))
-      return cli_fail(cli, EXIT_INPUT, "%s:%u: expected figures of a stage, all of them 0 or more", path, number);
+      return cli_fail(cli, EXIT_INPUT, "%s:%u: expected figures of a stage, all of them 0 or more", path,
+                      number);
   }
   return ferror(in) ? cli_fail(cli, EXIT_IO, "%s: cannot be read: %s", path, strerror(errno)) : EXIT_OK;
 }
@@ -170,7 +176,8 @@ int bench_read(struct cli *cli, const char *path, const struct bench_key *key, s
 int bench_write(struct cli *cli, const char *path, bench_writer write, const struct bench_rows *rows,
                 const struct bench_key *key) {
   const char *slash = strrchr(path, '/');
-  const char *hidden = cli_keep(cli, "%.*s.conceg-%ld-1.tmp", slash ? (int)(slash - path) + 1 : 0, path, (long)getpid());
+  const char *hidden =
+      cli_keep(cli, "%.*s.conceg-%ld-1.tmp", slash ? (int)(slash - path) + 1 : 0, path, (long)getpid());
   FILE *out = fopen(hidden, "we");
   int failed = !out;
   if (out) {

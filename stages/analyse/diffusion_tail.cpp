@@ -150,7 +150,8 @@ Tail fit_tail(const DiffusivityCurve &curve, double exponent) {
   const bool is_free = !(exponent > 0.0);
   const std::size_t parameters = is_free ? 3 : 2;
   if (curve.time.size() < parameters + 2) return void_tail("too few times");
-  if (!(curve.time.back() >= 3.0 * curve.time.front())) return void_tail("times span less than a factor of 3");
+  if (!(curve.time.back() >= 3.0 * curve.time.front()))
+    return void_tail("times span less than a factor of 3");
   const Fit fit(curve);
   if (!fit.is_definite()) return void_tail("too few walkers");
   if (is_free) {
@@ -162,10 +163,12 @@ Tail fit_tail(const DiffusivityCurve &curve, double exponent) {
   }
   Tail out = fit.tail(exponent, static_cast<Eigen::Index>(parameters));
   const double end = curve.time.back(), rest = out.amplitude.value * power(end, exponent);
-  if (out.limit.value < -3.0 * out.limit.error) return void_tail("its limit would be negative: the walk is too short");
+  if (out.limit.value < -3.0 * out.limit.error)
+    return void_tail("its limit would be negative: the walk is too short");
   if (out.limit.value > 3.0 * out.limit.error && rest > out.limit.value)
     return void_tail("D is still more than twice its limit: the walk is too short");
-  if (is_free && !(out.exponent.error <= most_exponent_error)) return void_tail("too few walkers for an exponent");
+  if (is_free && !(out.exponent.error <= most_exponent_error))
+    return void_tail("too few walkers for an exponent");
   out.state = is_rejected(out.chi2, out.degrees) ? "rejected" : "fitted";
   return out;
 }

@@ -32,10 +32,10 @@ struct Tail {
   bool is_fitted() const { return state == "fitted"; }
 };
 
-// Generalised least squares with the curve's whole covariance. `exponent` 0 = fitted too. Void where times are
-// too few or too close (less than a factor of 3), where D does not depend on time or follows no such law
-// within exponents of 0.05 to 3, where the limit would be negative, or D is still more than twice its limit: the
-// walk is too short. Void tails have zeros.
+// Generalised least squares with the curve's whole covariance. `exponent` 0 = fitted too. Void where times
+// are too few or too close (less than a factor of 3), where D does not depend on time or follows no such law
+// within exponents of 0.05 to 3, where the limit would be negative, or D is still more than twice its limit:
+// the walk is too short. Void tails have zeros.
 Tail fit_tail(const DiffusivityCurve &curve, double exponent);
 
 } // namespace conceg::analyse

@@ -17,7 +17,8 @@ struct Group {
 };
 
 std::vector<Group> groups_of(const Displacements &walked, const Cells &cells) {
-  Group all = {"all", {}}, intra = {"intra", {}}, extra = {"extra", {}}, soma = {"soma", {}}, neurite = {"neurite", {}};
+  Group all = {"all", {}}, intra = {"intra", {}}, extra = {"extra", {}}, soma = {"soma", {}},
+        neurite = {"neurite", {}};
   std::map<std::string, Group> classes;
   for (std::uint32_t w = 0; w < walked.cell.size(); w++) {
     all.walker.push_back(w);
@@ -26,7 +27,8 @@ std::vector<Group> groups_of(const Displacements &walked, const Cells &cells) {
       continue;
     }
     intra.walker.push_back(w);
-    if (!walked.compartment.empty()) (walked.compartment[w] == soma_code ? soma : neurite).walker.push_back(w);
+    if (!walked.compartment.empty())
+      (walked.compartment[w] == soma_code ? soma : neurite).walker.push_back(w);
     const std::string &name = cells.type_class[cells.type[static_cast<std::size_t>(walked.cell[w])]];
     classes[name].name = "class " + name, classes[name].walker.push_back(w);
   }
@@ -51,8 +53,8 @@ const char *axis_name(int axis) {
 
 } // namespace
 
-std::vector<Diffusivity> diffusivities(const Displacements &walked, const Cells &cells, const TailRange &range,
-                                       Workers &workers) {
+std::vector<Diffusivity> diffusivities(const Displacements &walked, const Cells &cells,
+                                       const TailRange &range, Workers &workers) {
   const std::vector<Group> groups = groups_of(walked, cells);
   std::vector<double> time;
   std::vector<const glm::dvec3 *> moved;

@@ -29,8 +29,8 @@ struct TailRange {
   double from = 0.0, to = 0.0;
 };
 
-std::vector<Diffusivity> diffusivities(const Displacements &walked, const Cells &cells, const TailRange &range,
-                                       Workers &workers);
+std::vector<Diffusivity> diffusivities(const Displacements &walked, const Cells &cells,
+                                       const TailRange &range, Workers &workers);
 
 // lambda = sqrt(D_0 / D*) of the extracellular space, D* the slope of <x^2> / 2: in a periodic box
 // <x^2> = 2 D* t + constant, so that D(t) = D* + amplitude / t.

@@ -21,7 +21,8 @@ Recipe simulation_parameters(conceg_ctx *ctx, conceg_doc *doc) {
   for (std::size_t i = std::min(stage.size(), parameters.size()); i-- > 0;) {
     if (stage[i] != "simulate") continue;
     conceg_recipe *parsed = nullptr;
-    must(conceg_recipe_parse(ctx, ("conceg: 1\nsimulate: " + parameters[i] + "\n").c_str(), "/provenance/parameters", &parsed));
+    must(conceg_recipe_parse(ctx, ("conceg: 1\nsimulate: " + parameters[i] + "\n").c_str(),
+                             "/provenance/parameters", &parsed));
     out.reset(parsed);
     break;
   }
@@ -54,7 +55,8 @@ Displacements read_displacements(conceg_ctx *ctx, conceg_doc *doc, const Cells &
   const std::size_t walkers = out.cell.size();
   const View<double> moved = view<double>(doc, "/walkers/displacement", 3 * walkers);
   if (moved.rows() != out.time.size())
-    fail(CONCEG_E_FORMAT, "/walkers/displacement: expected %zu times, got %zu", out.time.size(), moved.rows());
+    fail(CONCEG_E_FORMAT, "/walkers/displacement: expected %zu times, got %zu", out.time.size(),
+         moved.rows());
   for (std::size_t t = 1; t < out.time.size(); t++)
     if (!(out.time[t] > out.time[t - 1]))
       fail(CONCEG_E_FORMAT, "/walkers/time[%zu]: expected more than %g ms, got %g", t, out.time[t - 1],

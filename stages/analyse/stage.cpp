@@ -3,9 +3,8 @@
 #include "compare_input.hpp"
 #include "compare_report.hpp"
 #include "composition.hpp"
-#include "diffusivity.hpp"
+#include "diffusivity_measure.hpp"
 #include "experiment_tables.hpp"
-#include "output.hpp"
 #include "spectrum.hpp"
 #include "tables.hpp"
 
@@ -294,34 +293,6 @@ std::optional<SolvedTransport> measure_transport(conceg_ctx *ctx, conceg_doc *do
   return SolvedTransport{extrapolated(of_coarse, of_fine), of_fine};
 }
 
-// D(t) and K(t) of the walkers in the document, and lambda by them beside the solver's where that was asked.
-void measure_diffusivity(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params, const Cells &cells,
-                         const std::optional<SolvedTransport> &solved, Workers &workers) {
-  const Displacements walked = read_displacements(ctx, doc, cells);
-  if (walked.time.empty()) return;
-  const double last = walked.time.back(), from = conceg_params_f64(params, "tail_from_ms"),
-               to = conceg_params_f64(params, "tail_to_ms");
-  const TailRange range = {from > 0 ? from : 0.1 * last, to > 0 ? to : last};
-  if (!(range.from < range.to))
-    fail(CONCEG_E_PARAM, "tail_from_ms: expected less than tail_to_ms (%g), got %g", range.to, range.from);
-  const std::vector<Diffusivity> found = diffusivities(walked, cells, range, workers);
-  const WalkedLambda lambda = walked_lambda(found, walked);
-  if (lambda.state != "fitted")
-    conceg_ctx_log(ctx, CONCEG_LOG_WARNING, "analyse: lambda_walkers: %s", lambda.state.c_str());
-  const std::string folder = conceg_params_text(params, "csv");
-  if (!folder.empty()) make_folder(folder);
-  for (const Table &table :
-       {diffusivity_table(found, walked.time), diffusivity_fit_table(found, range),
-        lambda_table(lambda, solved ? &solved->limit : nullptr, solved ? &solved->fine : nullptr)}) {
-    if (!table.rows()) continue;
-    write_table(doc, table);
-    if (table.name != "diffusivity") log_table(ctx, table);
-    if (folder.empty()) continue;
-    OutputFile file(folder + "/" + table.name + ".csv");
-    file.write(table.csv()), file.commit();
-  }
-}
-
 void measure_pore_space(conceg_ctx *ctx, conceg_doc *doc, const OpenVoxels &voxels, Workers &workers) {
   if (voxels.open.empty()) return;
   constexpr std::size_t between = 8; // planes from one section to the next
@@ -424,9 +395,9 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
   else
     leave_out("/bars", "asked and achieved bars");
 
-  for (const char *name :
-       {"summary", "class", "type", "neurite", "bars", "morphometry", "cell", "comparison", "comparison_bars",
-        "composition", "composition_fit", "spectrum", "spectrum_fit", "transport", "pore_space", "paths", "diffusivity", "diffusivity_fit", "lambda"})
+  for (const char *name : {"summary", "class", "type", "neurite", "bars", "morphometry", "cell", "comparison",
+                           "comparison_bars", "composition", "composition_fit", "spectrum", "spectrum_fit",
+                           "transport", "pore_space", "paths", "diffusivity", "diffusivity_fit", "lambda"})
     must(conceg_doc_drop(doc, (std::string("/statistics/") + name).c_str()));
   for (const Table &table :
        {summary_table(cells, measures), class_table(cells, measures), type_table(cells, measures),
@@ -445,7 +416,8 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
   if (conceg_params_bool(params, "transport"))
     solved = measure_transport(ctx, doc, extracellular("transport"), workers);
   if (conceg_params_bool(params, "diffusivity"))
-    measure_diffusivity(ctx, doc, params, cells, solved, workers);
+    measure_diffusivity(ctx, doc, params, cells, solved ? &solved->limit : nullptr,
+                        solved ? &solved->fine : nullptr, workers);
   if (conceg_params_bool(params, "paths")) measure_paths(ctx, doc, extracellular("paths"), workers);
   if (conceg_params_bool(params, "pores")) measure_pore_space(ctx, doc, extracellular("pores"), workers);
   if (conceg_params_bool(params, "spectrum")) measure_spectra(ctx, doc, cells, workers);
@@ -492,14 +464,14 @@ const conceg_param parameters[] = {
     {"spectrum", "", "power spectrum of the cross-section along paths of 100 um", "false", nullptr,
      CONCEG_PARAM_BOOL, 0, 0, 0},
     {"diffusivity", "",
-     "D(t), K(t), structural exponent and lambda of the walkers, from /walkers/displacement", "false", nullptr,
-     CONCEG_PARAM_BOOL, 0, 0, 0},
+     "D(t), K(t), structural exponent and lambda of the walkers, from /walkers/displacement", "false",
+     nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
     {"tail_from_ms", "ms", "where fits of D(t) begin; 0 = a tenth of the last time", "0", nullptr,
      CONCEG_PARAM_F64, 0, 0, 1e4},
     {"tail_to_ms", "ms", "where fits of D(t) end; 0 = the last time", "0", nullptr, CONCEG_PARAM_F64, 0, 0,
      1e4},
-    {"csv", "", "folder for diffusivity.csv, diffusivity_fit.csv and lambda.csv; made when absent", "", nullptr,
-     CONCEG_PARAM_FILE, 0, 0, 0},
+    {"csv", "", "folder for diffusivity.csv, diffusivity_fit.csv and lambda.csv; made when absent", "",
+     nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};
 const char *const reads[] = {"domain", "types", "cells", nullptr};
 const char *const writes[] = {"statistics", nullptr};

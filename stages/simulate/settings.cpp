@@ -35,9 +35,11 @@ std::vector<double> displacement_times(const std::string &text) {
     std::string words = text;
     std::replace(words.begin(), words.end(), ':', ',');
     const std::vector<double> range = numbers("times_ms", words, shortest_ms, longest_ms);
-    const bool whole = range.size() == 3 && range[2] >= 2.0 && range[2] <= 10000.0 && range[2] == std::floor(range[2]);
+    const bool whole =
+        range.size() == 3 && range[2] >= 2.0 && range[2] <= 10000.0 && range[2] == std::floor(range[2]);
     if (!whole || !(range[0] < range[1]))
-      fail(CONCEG_E_PARAM, "times_ms: expected FIRST:LAST:COUNT such as 0.1:100:30, got \"%.40s\"", text.c_str());
+      fail(CONCEG_E_PARAM, "times_ms: expected FIRST:LAST:COUNT such as 0.1:100:30, got \"%.40s\"",
+           text.c_str());
     const double ratio = conceg_log(range[1] / range[0]) / (range[2] - 1.0);
     for (double i = 0.0; i < range[2] - 1.0; i++)
       times.push_back(range[0] * conceg_exp(i * ratio));

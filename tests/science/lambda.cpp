@@ -39,7 +39,8 @@ void put_ball(conceg_doc *doc, double radius) {
   put_texts(doc, "/types/name", {"ball"}), put_texts(doc, "/types/class", {"other"});
   put_texts(doc, "/types/layer", {""});
   const glm::dvec3 centre(0.5 * side);
-  put(doc, "/cells/id", std::vector<std::uint64_t>{1}), put(doc, "/cells/type", std::vector<std::uint32_t>{0});
+  put(doc, "/cells/id", std::vector<std::uint64_t>{1}),
+      put(doc, "/cells/type", std::vector<std::uint32_t>{0});
   put3(doc, "/cells/soma", std::vector<glm::dvec3>{centre});
   put(doc, "/cells/radius", std::vector<float>{static_cast<float>(radius)});
   simulate::Membranes m;
@@ -47,12 +48,14 @@ void put_ball(conceg_doc *doc, double radius) {
   std::vector<std::uint32_t> face;
   for (const glm::uvec3 &f : m.face)
     face.insert(face.end(), {f.x, f.y, f.z});
-  put(doc, "/meshes/cell", std::vector<std::uint32_t>{0}), put3(doc, "/meshes/origin", std::vector<glm::dvec3>{centre});
+  put(doc, "/meshes/cell", std::vector<std::uint32_t>{0}),
+      put3(doc, "/meshes/origin", std::vector<glm::dvec3>{centre});
   put(doc, "/meshes/vertex_offset", std::vector<std::uint64_t>{0, m.vertex.size()});
   put(doc, "/meshes/face_offset", std::vector<std::uint64_t>{0, m.face.size()});
   put3(doc, "/meshes/vertex", m.vertex), put(doc, "/meshes/face", face, 3);
   put(doc, "/meshes/compartment", std::vector<std::uint8_t>(m.face.size(), 1));
-  const double h = side / static_cast<double>(voxels), origin[3] = {0.5 * h, 0.5 * h, 0.5 * h}, spacing[3] = {h, h, h};
+  const double h = side / static_cast<double>(voxels), origin[3] = {0.5 * h, 0.5 * h, 0.5 * h},
+               spacing[3] = {h, h, h};
   const std::uint64_t shape[3] = {voxels, voxels, voxels};
   put(doc, "/volumes@origin", origin, 3), put(doc, "/volumes@spacing", spacing, 3);
   put(doc, "/volumes@shape", shape, 3);
@@ -105,7 +108,8 @@ Found through_stages(double filled, const char *walkers, std::uint32_t threads) 
   run(conceg_stage_analyse, {"analyse.points=0", "analyse.transport=true", "analyse.diffusivity=true"});
   if (*conceg_ctx_error(ctx)) fprintf(stderr, "%s\n", conceg_ctx_error(ctx));
   out.name = texts(doc, "/statistics/lambda/name"), out.state = texts(doc, "/statistics/lambda/state");
-  out.lambda = column(doc, "/statistics/lambda/lambda"), out.error = column(doc, "/statistics/lambda/lambda_error");
+  out.lambda = column(doc, "/statistics/lambda/lambda"),
+  out.error = column(doc, "/statistics/lambda/lambda_error");
   out.bytes = testing::bytes_of(doc);
   CHECK_EQUAL(conceg_doc_close(doc), CONCEG_OK);
   conceg_ctx_free(ctx);
@@ -121,15 +125,17 @@ void spheres() {
     CHECK_TEXT(f.name[1].c_str(), "lambda_solver");
     CHECK_TEXT(f.state[0].c_str(), "fitted");
     const double ratio = std::pow(f.lambda[0] / f.lambda[1], 2), error = 2.0 * f.error[0] / f.lambda[0];
-    printf("cubic spheres %.2f: lambda %.4f (%.4f) by walkers, %.4f by the solver; lambda^2 %.4f (%.4f) of it\n", filled,
-           f.lambda[0], f.error[0], f.lambda[1], ratio, error);
+    printf(
+        "cubic spheres %.2f: lambda %.4f (%.4f) by walkers, %.4f by the solver; lambda^2 %.4f (%.4f) of it\n",
+        filled, f.lambda[0], f.error[0], f.lambda[1], ratio, error);
     CHECK(error < 0.01);
     CHECK_NEAR(ratio, 1.0, 0.02);
   }
 }
 
 void threads() {
-  const Found one = through_stages(0.30, "simulate.walkers=300", 1), three = through_stages(0.30, "simulate.walkers=300", 3);
+  const Found one = through_stages(0.30, "simulate.walkers=300", 1),
+              three = through_stages(0.30, "simulate.walkers=300", 3);
   CHECK(!one.bytes.empty() && one.bytes == three.bytes);
 }
 
@@ -173,7 +179,9 @@ void cylinders() {
   std::iota(all.begin(), all.end(), 0u);
   const auto solved = [&](std::size_t n) {
     analyse::OpenVoxels v = {{n, n, 2}, {}, {1.0, 1.0, 1.0}};
-    const auto from = [&](std::size_t i) { return (static_cast<double>(i) + 0.5) / static_cast<double>(n) - 0.5; };
+    const auto from = [&](std::size_t i) {
+      return (static_cast<double>(i) + 0.5) / static_cast<double>(n) - 0.5;
+    };
     for (std::size_t i = 0; i < n * n * 2; i++)
       v.open.push_back(std::hypot(from(i / 2 / n), from(i / 2 % n)) > radius / side);
     return transport_of(v, {true, true, true}, 1e-8, workers, {});
@@ -181,12 +189,15 @@ void cylinders() {
   const analyse::Transport expected = analyse::extrapolated(solved(64), solved(128));
   for (int axis = 0; axis < 3; axis++) {
     const analyse::Tail tail = fit_tail(analyse::diffusivity_curve(pointers, times, all, axis), 1.0);
-    const double d = tail.limit.value / 2.0, error = tail.limit.error / 2.0, e = expected.ratio[static_cast<std::size_t>(axis)];
-    printf("cylinders %.2f, axis %d: D* / D_0 %.4f (%.4f) by walkers, %.4f by the solver\n", filled, axis, d, error, e);
+    const double d = tail.limit.value / 2.0, error = tail.limit.error / 2.0,
+                 e = expected.ratio[static_cast<std::size_t>(axis)];
+    printf("cylinders %.2f, axis %d: D* / D_0 %.4f (%.4f) by walkers, %.4f by the solver\n", filled, axis, d,
+           error, e);
     CHECK_NEAR(d, e, 4.5 * error);
     CHECK_NEAR(d / e, 1.0, 0.03);
   }
-  const analyse::Tail mean = fit_tail(analyse::diffusivity_curve(pointers, times, all, analyse::mean_axis), 1.0);
+  const analyse::Tail mean =
+      fit_tail(analyse::diffusivity_curve(pointers, times, all, analyse::mean_axis), 1.0);
   const double ratio = std::pow(expected.lambda(), 2) * mean.limit.value / 2.0;
   printf("cylinders %.2f: lambda^2 of the solver is %.4f (%.4f) of that by walkers\n", filled, ratio,
          mean.limit.error * std::pow(expected.lambda(), 2) / 2.0);

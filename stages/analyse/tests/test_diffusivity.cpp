@@ -31,8 +31,8 @@ std::vector<double> spaced(double first, double last, std::size_t count) {
   return out;
 }
 
-// Walkers of free diffusivity `d`, of which the share `bound` only rattles, with a variance of `rattle` along each
-// axis: <x^2> / (2 t) = (1 - bound) d + bound rattle / t.
+// Walkers of free diffusivity `d`, of which the share `bound` only rattles, with a variance of `rattle` along
+// each axis: <x^2> / (2 t) = (1 - bound) d + bound rattle / t.
 struct Made {
   std::vector<double> time;
   std::vector<std::vector<glm::dvec3>> moved;
@@ -76,7 +76,8 @@ void check_state(const std::string &got, const char *expected) {
 }
 
 // An exact curve, with errors of `share` that do not depend on each other.
-DiffusivityCurve exact_curve(const std::vector<double> &time, const std::vector<double> &value, double share) {
+DiffusivityCurve exact_curve(const std::vector<double> &time, const std::vector<double> &value,
+                             double share) {
   DiffusivityCurve out = {time, value, std::vector<double>(time.size() * time.size(), 0.0)};
   for (std::size_t t = 0; t < time.size(); t++)
     out.covariance[t * time.size() + t] = std::pow(share * value[t], 2);
@@ -117,9 +118,10 @@ void errors_are_right() {
     limit += std::pow((any.limit.value - 0.5) / any.limit.error, 2);
     exponent += std::pow((any.exponent.value - 1.0) / any.exponent.error, 2);
   }
-  printf("errors of %d draws: mean z^2 of the limit %.3f (exponent held), %.3f and of the exponent %.3f (of %d "
-         "fitted); chi2 / degrees %.3f\n",
-         draws, held, limit / fitted, exponent / fitted, fitted, chi2);
+  printf(
+      "errors of %d draws: mean z^2 of the limit %.3f (exponent held), %.3f and of the exponent %.3f (of %d "
+      "fitted); chi2 / degrees %.3f\n",
+      draws, held, limit / fitted, exponent / fitted, fitted, chi2);
   const double spread = 4.5 * std::sqrt(2.0 / draws);
   CHECK(fitted > 0.95 * draws);
   CHECK_NEAR(held, 1.0, spread);
@@ -130,8 +132,8 @@ void errors_are_right() {
 
 // Walkers in a ball: MSD = 6/5 R^2 (1 - ...), of the roots of (mu^2 - 2) sin mu + 2 mu cos mu.
 void ball() {
-  const double root[] = {2.0815759778,  5.9403699906,  9.2058401429,  12.4044450219, 15.5792364104,
-                         18.7426455848, 21.8996964795, 25.052825281,  28.203361004,  31.3520917266};
+  const double root[] = {2.0815759778,  5.9403699906,  9.2058401429, 12.4044450219, 15.5792364104,
+                         18.7426455848, 21.8996964795, 25.052825281, 28.203361004,  31.3520917266};
   const auto curve = [&](double first, double last) {
     const std::vector<double> time = spaced(first, last, 12);
     std::vector<double> value;
@@ -224,7 +226,8 @@ private:
   void advance(std::vector<double> &u, double step, double free, Work &work) const {
     const std::size_t n = u.size();
     const double h = 0.5 * step * free / dx_;
-    std::vector<double> &diagonal = work.diagonal, &right = work.right, &factor = work.factor, &other = work.other;
+    std::vector<double> &diagonal = work.diagonal, &right = work.right, &factor = work.factor,
+                        &other = work.other;
     for (std::vector<double> *v : {&diagonal, &right, &factor, &other})
       v->assign(n, 0.0);
     for (std::size_t i = 0; i < n; i++) {
@@ -247,7 +250,8 @@ private:
       right[i] -= factor[i] * right[i + 1], other[i] -= factor[i] * other[i + 1];
       if (std::fabs(other[i]) < 1e-100) other[i] = 0.0;
     }
-    const double share = (right[0] + corner / gamma * right[n - 1]) / (1.0 + other[0] + corner / gamma * other[n - 1]);
+    const double share =
+        (right[0] + corner / gamma * right[n - 1]) / (1.0 + other[0] + corner / gamma * other[n - 1]);
     for (std::size_t i = 0; i < n; i++)
       u[i] = right[i] - share * other[i];
   }
@@ -262,7 +266,8 @@ std::vector<double> bumps(const std::vector<double> &places, std::size_t cells, 
     for (int k = -30; k <= 30; k++) {
       const double at = std::floor(place / dx) + k, off = (at * dx - place) / 0.4;
       const auto n = static_cast<std::ptrdiff_t>(cells);
-      area[static_cast<std::size_t>(((static_cast<std::ptrdiff_t>(at) % n) + n) % n)] += 2.0 * std::exp(-0.5 * off * off);
+      area[static_cast<std::size_t>(((static_cast<std::ptrdiff_t>(at) % n) + n) % n)] +=
+          2.0 * std::exp(-0.5 * off * off);
     }
   return area;
 }
@@ -283,11 +288,13 @@ void tubes() {
 
   const Tube poisson(bumps(random, cells, dx), dx);
   const std::vector<double> found = poisson.diffusivity(time, free);
-  const Tail any = fit_tail(exact_curve(time, found, 1e-4), 0.0), half = fit_tail(exact_curve(time, found, 1e-4), 0.5);
+  const Tail any = fit_tail(exact_curve(time, found, 1e-4), 0.0),
+             half = fit_tail(exact_curve(time, found, 1e-4), 0.5);
   const double limit = poisson.limit(free), amplitude = poisson.power(0.2) * std::sqrt(limit / pi);
-  printf("Poisson bumps: D %.4f .. %.4f; exponent %.3f; limit %.4f, free %.4f (%.4f), amplitude %.4f (%.4f)\n",
-         found.front(), found.back(), any.exponent.value, half.limit.value, any.limit.value, limit,
-         half.amplitude.value, amplitude);
+  printf(
+      "Poisson bumps: D %.4f .. %.4f; exponent %.3f; limit %.4f, free %.4f (%.4f), amplitude %.4f (%.4f)\n",
+      found.front(), found.back(), any.exponent.value, half.limit.value, any.limit.value, limit,
+      half.amplitude.value, amplitude);
   CHECK_NEAR(any.exponent.value, 0.5, 0.05);
   CHECK_NEAR(half.limit.value / limit, 1.0, 0.01);
   CHECK_NEAR(any.limit.value / limit, 1.0, 0.01);
@@ -297,8 +304,8 @@ void tubes() {
   const Tube lattice(bumps(jittered, cells, dx), dx);
   const std::vector<double> ordered = lattice.diffusivity(time, free);
   const Tail other = fit_tail(exact_curve(time, ordered, 1e-5), 0.0);
-  printf("jittered lattice: D %.5f .. %.5f; exponent %.3f, limit %.4f (%.4f)\n", ordered.front(), ordered.back(),
-         other.exponent.value, other.limit.value, lattice.limit(free));
+  printf("jittered lattice: D %.5f .. %.5f; exponent %.3f, limit %.4f (%.4f)\n", ordered.front(),
+         ordered.back(), other.exponent.value, other.limit.value, lattice.limit(free));
   CHECK(other.exponent.value > 0.85 && other.exponent.value < 1.5);
   CHECK_NEAR(other.limit.value / lattice.limit(free), 1.0, 0.01);
   // The wrong exponent held is told by chi2.
@@ -309,8 +316,10 @@ void few_and_close_times() {
   const Made few = made_walkers(100, spaced(10, 40, 4), 1.0, 0.5, 1.0, 1);
   check_state(fit_tail(curve_of(few), 0.0).state, "void: too few times");
   CHECK(fit_tail(curve_of(few), 1.0).state.rfind("void", 0) != 0);
-  check_state(fit_tail(curve_of(made_walkers(100, spaced(10, 29, 8), 1.0, 0.5, 1.0, 1)), 1.0).state, "void: times span less than a factor of 3");
-  check_state(fit_tail(curve_of(made_walkers(5, spaced(10, 100, 8), 1.0, 0.5, 1.0, 1)), 1.0).state, "void: too few walkers");
+  check_state(fit_tail(curve_of(made_walkers(100, spaced(10, 29, 8), 1.0, 0.5, 1.0, 1)), 1.0).state,
+              "void: times span less than a factor of 3");
+  check_state(fit_tail(curve_of(made_walkers(5, spaced(10, 100, 8), 1.0, 0.5, 1.0, 1)), 1.0).state,
+              "void: too few walkers");
 }
 
 // A cell and the space around it: which walkers are in which rows, the same for any number of threads.
@@ -324,11 +333,13 @@ void compartments_and_threads() {
   Displacements walked;
   walked.time = m.time, walked.moved = m.pointers(), walked.free_extra = 2.0;
   for (int w = 0; w < 3000; w++)
-    walked.cell.push_back(w < 1000 ? w % 2 : -1), walked.compartment.push_back(w < 1000 ? w < 100 ? 1 : 3 : 0);
+    walked.cell.push_back(w < 1000 ? w % 2 : -1),
+        walked.compartment.push_back(w < 1000 ? w < 100 ? 1 : 3 : 0);
   Workers one(1), three(3);
   const TailRange range = {5, 100};
   const std::vector<Diffusivity> found = diffusivities(walked, cells, range, one);
-  const std::vector<std::string> names = {"all", "intra", "extra", "soma", "neurite", "class astrocyte", "class pyramidal"};
+  const std::vector<std::string> names = {"all",     "intra",           "extra",          "soma",
+                                          "neurite", "class astrocyte", "class pyramidal"};
   const std::vector<std::uint64_t> sizes = {3000, 1000, 2000, 100, 900, 500, 500};
   CHECK_EQUAL(found.size(), names.size());
   for (std::size_t i = 0; i < std::min(found.size(), names.size()); i++) {

@@ -112,8 +112,8 @@ void test_free(Workers &workers) {
 }
 
 // K(t) of one axis, in the limit: that of the difference of two places in the pore.
-void hold_kurtosis(const char *what, const std::vector<Walk> &walks, std::size_t record, double time, int axis,
-                   double expected) {
+void hold_kurtosis(const char *what, const std::vector<Walk> &walks, std::size_t record, double time,
+                   int axis, double expected) {
   std::vector<glm::dvec3> moved;
   std::vector<std::uint32_t> walker;
   for (const Walk &w : walks)

@@ -270,7 +270,8 @@ void test_refused() {
   says(run(1, with({"cells=0", "kind=astrocyte"})), CONCEG_E_RANGE, "expected a cell of kind");
   says(run(1, with({"margin_um=10"})), CONCEG_E_RANGE, "less than half of the box");
   says(run(1, with({"b=0,x"})), CONCEG_E_PARAM, "expected numbers with commas");
-  for (const char *times : {"times_ms=1:2", "times_ms=2:1:5", "times_ms=1:2:1.5", "times_ms=1:2:1", "times_ms=1:2:3:4"})
+  for (const char *times :
+       {"times_ms=1:2", "times_ms=2:1:5", "times_ms=1:2:1.5", "times_ms=1:2:1", "times_ms=1:2:3:4"})
     says(run(1, with({times})), CONCEG_E_PARAM, "times_ms: expected FIRST:LAST:COUNT");
   says(run(1, with({"times_ms=0:2:3"})), CONCEG_E_PARAM, "times_ms: expected numbers from 1e-06 to 10000");
   says(run(1, with({"b=-1"})), CONCEG_E_PARAM, "from 0 to 1000");
