@@ -104,7 +104,7 @@ Found through_stages(double filled, const char *walkers, std::uint32_t threads) 
     conceg_params_free(params);
   };
   run(conceg_stage_simulate, {walkers, "simulate.compartment=extra", "simulate.b=0", "simulate.delta_ms=0.1",
-                              "simulate.separation_ms=0.1", "simulate.times_ms=1:10:12"});
+                              "simulate.separation_ms=0.1", "simulate.times_ms=1:5:10"});
   run(conceg_stage_analyse, {"analyse.points=0", "analyse.transport=true", "analyse.diffusivity=true"});
   if (*conceg_ctx_error(ctx)) fprintf(stderr, "%s\n", conceg_ctx_error(ctx));
   out.name = texts(doc, "/statistics/lambda/name"), out.state = texts(doc, "/statistics/lambda/state");
@@ -159,8 +159,8 @@ void cylinders() {
   }
   simulate::Timeline timeline;
   std::vector<double> times;
-  for (int i = 0; i < 12; i++)
-    times.push_back(std::pow(10.0, i / 11.0));
+  for (int i = 0; i < 10; i++)
+    times.push_back(std::pow(5.0, i / 9.0));
   simulate::record_at(timeline, times);
   std::vector<std::vector<glm::dvec3>> moved(times.size(), std::vector<glm::dvec3>(start.size()));
   constexpr std::size_t block = 64;
