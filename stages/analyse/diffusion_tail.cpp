@@ -12,6 +12,7 @@ namespace {
 
 constexpr double least_exponent = 0.05, most_exponent = 3.0;
 constexpr double most_exponent_error = 0.5;
+constexpr std::size_t walkers_a_time = 10; // fewer tell too little of the covariance
 // Of chi2 with two degrees of freedom less: 1 in 1000 by chance.
 constexpr double time_dependence = 13.8;
 
@@ -126,6 +127,7 @@ DiffusivityCurve diffusivity_curve(const std::vector<const glm::dvec3 *> &moved,
   const double n = static_cast<double>(walker.size());
   DiffusivityCurve out;
   out.time = time, out.value.assign(times, 0.0), out.covariance.assign(times * times, 0.0);
+  out.walkers = walker.size();
   if (walker.size() < 2) return out;
   for (std::size_t t = 0; t < times; t++) {
     for (const std::uint32_t w : walker)
@@ -152,6 +154,8 @@ Tail fit_tail(const DiffusivityCurve &curve, double exponent) {
   if (curve.time.size() < parameters + 2) return void_tail("too few times");
   if (!(curve.time.back() >= 3.0 * curve.time.front()))
     return void_tail("times span less than a factor of 3");
+  if (curve.walkers && curve.walkers < walkers_a_time * curve.time.size())
+    return void_tail("too few walkers");
   const Fit fit(curve);
   if (!fit.is_definite()) return void_tail("too few walkers");
   if (is_free) {
@@ -169,6 +173,7 @@ Tail fit_tail(const DiffusivityCurve &curve, double exponent) {
     return void_tail("D is still more than twice its limit: the walk is too short");
   if (is_free && !(out.exponent.error <= most_exponent_error))
     return void_tail("too few walkers for an exponent");
+  if (!(out.limit.error <= curve.value.back())) return void_tail("too few walkers for a limit");
   out.state = is_rejected(out.chi2, out.degrees) ? "rejected" : "fitted";
   return out;
 }

@@ -14,6 +14,7 @@ struct DiffusivityCurve {
   std::vector<double> time;       // ms, ascending
   std::vector<double> value;      // um^2/ms
   std::vector<double> covariance; // [times][times], of the means, (um^2/ms)^2
+  std::size_t walkers = 0;        // that the covariance is estimated from; 0 = it is known
 };
 
 inline constexpr int mean_axis = 3; // <r^2> / (6 t)
@@ -33,9 +34,10 @@ struct Tail {
 };
 
 // Generalised least squares with the curve's whole covariance. `exponent` 0 = fitted too. Void where times
-// are too few or too close (less than a factor of 3), where D does not depend on time or follows no such law
-// within exponents of 0.05 to 3, where the limit would be negative, or D is still more than twice its limit:
-// the walk is too short. Void tails have zeros.
+// are too few or too close (less than a factor of 3) or walkers fewer than ten a time, where D does not
+// depend on time or follows no such law within exponents of 0.05 to 3, where exponent or limit are hardly
+// known (errors above 0.5, above D at the end), where the limit would be negative, or D is still more than
+// twice its limit: the walk is too short. Void tails have zeros.
 Tail fit_tail(const DiffusivityCurve &curve, double exponent);
 
 } // namespace conceg::analyse

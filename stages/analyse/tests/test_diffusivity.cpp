@@ -78,7 +78,7 @@ void check_state(const std::string &got, const char *expected) {
 // An exact curve, with errors of `share` that do not depend on each other.
 DiffusivityCurve exact_curve(const std::vector<double> &time, const std::vector<double> &value,
                              double share) {
-  DiffusivityCurve out = {time, value, std::vector<double>(time.size() * time.size(), 0.0)};
+  DiffusivityCurve out = {time, value, std::vector<double>(time.size() * time.size(), 0.0), 0};
   for (std::size_t t = 0; t < time.size(); t++)
     out.covariance[t * time.size() + t] = std::pow(share * value[t], 2);
   return out;
@@ -320,6 +320,12 @@ void few_and_close_times() {
               "void: times span less than a factor of 3");
   check_state(fit_tail(curve_of(made_walkers(5, spaced(10, 100, 8), 1.0, 0.5, 1.0, 1)), 1.0).state,
               "void: too few walkers");
+  // An exponent, but no limit: the two go together.
+  const std::vector<double> time = spaced(1, 10, 10);
+  std::vector<double> value;
+  for (const double t : time)
+    value.push_back(0.1 + 0.7 * std::pow(t, -0.1));
+  check_state(fit_tail(exact_curve(time, value, 1e-2), 0.0).state, "void: too few walkers for a limit");
 }
 
 // A cell and the space around it: which walkers are in which rows, the same for any number of threads.
