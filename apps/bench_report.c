@@ -96,7 +96,7 @@ void bench_json(FILE *out, const struct bench_rows *rows, const struct bench_key
 #define HEIGHT 250.0
 
 struct frame {
-  double low_x, high_x, low_y, high_y; /* powers of ten */
+  double low_x, high_x, low_y, high_y; /* log10 of um^3 and s */
 };
 
 static double place_x(const struct frame *f, double log10_x) {
@@ -116,8 +116,7 @@ static struct frame frame_of(const struct bench_rows *rows) {
     for (k = 0; k < rows->row[i].stages; k++)
       f.low_y = fmin(f.low_y, log10(fmax(0.01, rows->row[i].stage[k].wall_s)));
   }
-  f.low_x = floor(f.low_x - 0.05), f.high_x = ceil(f.high_x + 0.05);
-  f.low_y = floor(f.low_y - 0.05), f.high_y = ceil(f.high_y + 0.05);
+  f.low_x -= 0.2, f.high_x += 0.2, f.low_y -= 0.2, f.high_y += 0.2;
   return f;
 }
 
@@ -130,18 +129,17 @@ static void svg_axes(FILE *out, const struct frame *f) {
   char power[64];
   fprintf(out, "<path d=\"M%.1f %.1fV%.1fH%.1f\" fill=\"none\" stroke=\"#444\"/>\n", LEFT, TOP, TOP + HEIGHT,
           LEFT + WIDTH);
-  for (at = f->low_x; at <= f->high_x + 1e-9; at++) {
+  for (at = ceil(f->low_x); at <= f->high_x; at++) {
     fprintf(out, "<path d=\"M%.1f %.1fv4\" stroke=\"#444\"/>\n", place_x(f, at), TOP + HEIGHT);
     snprintf(power, sizeof power, "10<tspan dy=\"-4\" font-size=\"8\">%.0f</tspan>", at);
     svg_text(out, place_x(f, at), TOP + HEIGHT + 17, "middle", power);
   }
-  for (at = f->low_y; at <= f->high_y + 1e-9; at++) {
+  for (at = ceil(f->low_y); at <= f->high_y; at++) {
     fprintf(out, "<path d=\"M%.1f %.1fh-4\" stroke=\"#444\"/>\n", LEFT, place_y(f, at));
     snprintf(power, sizeof power, "%g", pow(10, at));
     svg_text(out, LEFT - 7, place_y(f, at) + 4, "end", power);
   }
-  svg_text(out, LEFT + WIDTH / 2, TOP + HEIGHT + 36, "middle",
-           "volume of the box (um<tspan dy=\"-4\" font-size=\"8\">3</tspan>)");
+  svg_text(out, LEFT + WIDTH / 2, TOP + HEIGHT + 36, "middle", "volume of the box (um\302\263)");
   fprintf(out,
           "<text transform=\"translate(16 %.1f) rotate(-90)\" text-anchor=\"middle\">wall time (s)</text>\n",
           TOP + HEIGHT / 2);
@@ -218,7 +216,7 @@ void bench_svg(FILE *out, const struct bench_rows *rows, const struct bench_key 
       y += 16;
       fprintf(out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3.6\" fill=\"white\" stroke=\"#c0392b\"/>\n", keys,
               y - 4);
-      snprintf(words, sizeof words, "%llu cells alone", (unsigned long long)rows->row[i].cells_asked);
+      snprintf(words, sizeof words, "a box of %llu cells", (unsigned long long)rows->row[i].cells_asked);
       svg_text(out, keys + 13, y, "start", words);
     }
   fprintf(out, "</svg>\n");
