@@ -28,6 +28,7 @@ static const struct word tools[] = {
     {"stages", "which stages there are and which file answers", tool_stages},
     {"params", "the parameters of a stage", tool_params},
     {"swc", "check and repair SWC files", tool_swc},
+    {"bench", "what a recipe costs in boxes of several sizes", tool_bench},
     {NULL, NULL, NULL}};
 
 #define WORDS_MOST 64

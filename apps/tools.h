@@ -15,5 +15,6 @@ int tool_clean(int argc, char **argv);
 int tool_stages(int argc, char **argv);
 int tool_params(int argc, char **argv);
 int tool_swc(int argc, char **argv);
+int tool_bench(int argc, char **argv);
 
 #endif

@@ -87,16 +87,13 @@ void add_block(Table &table, std::uint64_t block, const glm::dvec3 &lo, double s
 
 void add_transport(Table &table, std::uint64_t block, const Transport &coarse, const Transport &fine,
                    double voxel) {
-  Transport limit = fine;
-  for (std::size_t a = 0; a < 3; a++)
-    limit.ratio[a] = 2 * fine.ratio[a] - coarse.ratio[a];
   const auto put = [&](double size, const Transport &t) {
     table.put("block", block);
     table.put("voxel", size, "um"), table.put("ecs_fraction", t.open_fraction, "1");
     table.put("ratio_x", t.ratio[0], "1"), table.put("ratio_y", t.ratio[1], "1");
     table.put("ratio_z", t.ratio[2], "1"), table.put("lambda", t.lambda(), "1");
   };
-  put(2 * voxel, coarse), put(voxel, fine), put(0, limit);
+  put(2 * voxel, coarse), put(voxel, fine), put(0, extrapolated(coarse, fine));
 }
 
 void add_pores(Table &table, const Source &source, std::uint64_t dimensions, const PoreSpace &pores) {

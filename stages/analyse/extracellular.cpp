@@ -55,6 +55,8 @@ public:
       if (table.rows()) write(table);
   }
 
+  const std::optional<SolvedTransport> &whole_box() const { return whole_box_; }
+
 private:
   bool flag(const char *name) const { return conceg_params_bool(params_, name) != 0; }
   Progress progress() const { return progress_of(ctx_); }
@@ -206,7 +208,9 @@ private:
     const auto solved = [&](const OpenVoxels &voxels) {
       return transport_of(voxels, {true, true, true}, 1e-6, workers_, progress());
     };
-    add_transport(transport_, medium.block, solved(coarser(fine)), solved(fine), largest_spacing(fine));
+    const Transport of_coarse = solved(coarser(fine)), of_fine = solved(fine);
+    add_transport(transport_, medium.block, of_coarse, of_fine, largest_spacing(fine));
+    if (!medium.block) whole_box_ = {extrapolated(of_coarse, of_fine), of_fine};
   }
 
   void pores(const Medium &medium) {
@@ -289,14 +293,18 @@ private:
   const ExtracellularInput &input_;
   Workers &workers_;
   Wanted wanted_;
+  std::optional<SolvedTransport> whole_box_;
   Table blocks_{"blocks"}, transport_{"transport"}, paths_{"paths"}, pores_{"pore_space"};
 };
 
 } // namespace
 
-void measure_extracellular(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params,
-                           const ExtracellularInput &input, Workers &workers) {
-  Extracellular(ctx, doc, params, input, workers).run();
+std::optional<SolvedTransport> measure_extracellular(conceg_ctx *ctx, conceg_doc *doc,
+                                                     const conceg_params *params,
+                                                     const ExtracellularInput &input, Workers &workers) {
+  Extracellular all(ctx, doc, params, input, workers);
+  all.run();
+  return all.whole_box();
 }
 
 } // namespace conceg::analyse

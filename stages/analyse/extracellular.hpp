@@ -5,10 +5,12 @@
 #pragma once
 
 #include "experiment_tables.hpp"
+#include "transport.hpp"
 
 #include "conceg/stage.h"
 
 #include <functional>
+#include <optional>
 
 namespace conceg::analyse {
 
@@ -21,8 +23,9 @@ struct ExtracellularInput {
 };
 
 // Does what the parameters ask for, and writes and logs the tables. What is too coarse or too small is logged
-// as void.
-void measure_extracellular(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params,
-                           const ExtracellularInput &input, Workers &workers);
+// as void. Returns D* of the whole box, where it was asked for and found.
+std::optional<SolvedTransport> measure_extracellular(conceg_ctx *ctx, conceg_doc *doc,
+                                                     const conceg_params *params,
+                                                     const ExtracellularInput &input, Workers &workers);
 
 } // namespace conceg::analyse

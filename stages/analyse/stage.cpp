@@ -2,6 +2,7 @@
 // The analyse stage: tables that say what is in the tissue.
 #include "compare_input.hpp"
 #include "compare_report.hpp"
+#include "diffusivity_measure.hpp"
 #include "experiment_tables.hpp"
 #include "extracellular.hpp"
 #include "spectrum.hpp"
@@ -11,6 +12,7 @@
 #include "conceg/stage.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace {
 
@@ -276,9 +278,10 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
   else
     leave_out("/bars", "asked and achieved bars");
 
-  for (const char *name : {"summary", "class", "type", "neurite", "bars", "morphometry", "cell", "comparison",
-                           "comparison_bars", "composition", "composition_fit", "spectrum", "spectrum_fit",
-                           "transport", "pore_space", "paths", "blocks"})
+  for (const char *name : {"summary",         "class",    "type",         "neurite",         "bars",
+                           "morphometry",     "cell",     "comparison",   "comparison_bars", "composition",
+                           "composition_fit", "spectrum", "spectrum_fit", "transport",       "pore_space",
+                           "paths",           "blocks",   "diffusivity",  "diffusivity_fit", "lambda"})
     must(conceg_doc_drop(doc, (std::string("/statistics/") + name).c_str()));
   for (const Table &table :
        {summary_table(cells, measures), class_table(cells, measures), type_table(cells, measures),
@@ -299,15 +302,18 @@ void analyse_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *par
     measure_structure(ctx, doc, structure, cells, read_skeletons(doc, cells), workers);
   }
   const bool labels = has(doc, "/volumes/label") && has(doc, "/volumes@spacing");
-  measure_extracellular(ctx, doc, params,
-                        {labels, has(doc, "/meshes/vertex"),
-                         measures.pores.voxels ? measures.pores.median : 0.0, box,
-                         [&] { return read_volume(doc, cells, box); },
-                         [&] {
-                           std::size_t left_out = 0;
-                           return read_meshes(doc, cells, left_out);
-                         }},
-                        workers);
+  const std::optional<SolvedTransport> solved = measure_extracellular(
+      ctx, doc, params,
+      {labels, has(doc, "/meshes/vertex"), measures.pores.voxels ? measures.pores.median : 0.0, box,
+       [&] { return read_volume(doc, cells, box); },
+       [&] {
+         std::size_t left_out = 0;
+         return read_meshes(doc, cells, left_out);
+       }},
+      workers);
+  if (conceg_params_bool(params, "diffusivity"))
+    measure_diffusivity(ctx, doc, params, cells, solved ? &solved->limit : nullptr,
+                        solved ? &solved->fine : nullptr, workers);
   if (conceg_params_bool(params, "spectrum")) measure_spectra(ctx, doc, cells, workers);
   workers.count(ctx, "analyse.items");
   const double difference = largest_difference(measures),
@@ -376,6 +382,15 @@ const conceg_param parameters[] = {
      nullptr, CONCEG_PARAM_F64, 0, 0, 1},
     {"spectrum", "", "power spectrum of the cross-section along paths of 100 um", "false", nullptr,
      CONCEG_PARAM_BOOL, 0, 0, 0},
+    {"diffusivity", "",
+     "D(t), K(t), structural exponent and lambda of the walkers, from /walkers/displacement", "false",
+     nullptr, CONCEG_PARAM_BOOL, 0, 0, 0},
+    {"tail_from_ms", "ms", "where fits of D(t) begin; 0 = a tenth of the last time", "0", nullptr,
+     CONCEG_PARAM_F64, 0, 0, 1e4},
+    {"tail_to_ms", "ms", "where fits of D(t) end; 0 = the last time", "0", nullptr, CONCEG_PARAM_F64, 0, 0,
+     1e4},
+    {"csv", "", "folder for diffusivity.csv, diffusivity_fit.csv and lambda.csv; made when absent", "",
+     nullptr, CONCEG_PARAM_FILE, 0, 0, 0},
     {nullptr, nullptr, nullptr, nullptr, nullptr, 0, 0, 0, 0}};
 const char *const reads[] = {"domain", "types", "cells", nullptr};
 const char *const writes[] = {"statistics", nullptr};

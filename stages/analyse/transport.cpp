@@ -147,4 +147,11 @@ Transport transport_of(const OpenVoxels &voxels, const std::array<bool, 3> &axes
   return out;
 }
 
+Transport extrapolated(const Transport &coarse, const Transport &fine) {
+  Transport limit = fine;
+  for (std::size_t a = 0; a < 3; a++)
+    limit.ratio[a] = 2 * fine.ratio[a] - coarse.ratio[a];
+  return limit;
+}
+
 } // namespace conceg::analyse

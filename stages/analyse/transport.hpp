@@ -27,4 +27,11 @@ struct Transport {
 Transport transport_of(const OpenVoxels &voxels, const std::array<bool, 3> &axes, double tolerance,
                        Workers &workers, const Progress &progress);
 
+// For voxels of twice the size: D*(0) = 2 D*(h) - D*(2 h).
+Transport extrapolated(const Transport &coarse, const Transport &fine);
+
+struct SolvedTransport {
+  Transport limit, fine; // at voxels of 0 and as they are
+};
+
 } // namespace conceg::analyse

@@ -54,7 +54,7 @@ Checkpoint::Checkpoint(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *pa
       std::string(conceg_params_canonical(params)) + "\nseed " + std::to_string(conceg_ctx_seed(ctx)) + "\n";
   walkers_ = static_cast<std::uint64_t>(conceg_params_i64(params, "walkers"));
   shapes_ = view<double>(doc, "/protocol/shape", view<double>(doc, "/protocol/interval_end").rows()).rows();
-  records_ = sorted_times(numbers("times_ms", conceg_params_text(params, "times_ms"), 1e-6, 1e4)).size();
+  records_ = displacement_times(conceg_params_text(params, "times_ms")).size();
 }
 
 bool Checkpoint::read(Walked &walked) const {

@@ -2,6 +2,7 @@
 #include "settings.hpp"
 
 #include "conceg/model.h"
+#include "conceg/portable.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +26,25 @@ std::vector<double> numbers(const char *name, const std::string &text, double lo
   return out;
 }
 
-std::vector<double> sorted_times(std::vector<double> times) {
+std::vector<double> displacement_times(const std::string &text) {
+  constexpr double shortest_ms = 1e-6, longest_ms = 1e4;
+  std::vector<double> times;
+  if (text.find(':') == std::string::npos) {
+    times = numbers("times_ms", text, shortest_ms, longest_ms);
+  } else {
+    std::string words = text;
+    std::replace(words.begin(), words.end(), ':', ',');
+    const std::vector<double> range = numbers("times_ms", words, shortest_ms, longest_ms);
+    const bool whole =
+        range.size() == 3 && range[2] >= 2.0 && range[2] <= 10000.0 && range[2] == std::floor(range[2]);
+    if (!whole || !(range[0] < range[1]))
+      fail(CONCEG_E_PARAM, "times_ms: expected FIRST:LAST:COUNT such as 0.1:100:30, got \"%.40s\"",
+           text.c_str());
+    const double ratio = conceg_log(range[1] / range[0]) / (range[2] - 1.0);
+    for (double i = 0.0; i < range[2] - 1.0; i++)
+      times.push_back(range[0] * conceg_exp(i * ratio));
+    times.push_back(range[1]);
+  }
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end(), [](double a, double b) { return b - a <= 1e-9; }),
               times.end());

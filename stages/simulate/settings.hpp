@@ -13,8 +13,9 @@ namespace conceg::simulate {
 
 // "1, 2.5 3": numbers between low and high; E_PARAM names the parameter.
 std::vector<double> numbers(const char *name, const std::string &text, double low, double high);
-// Ascending, each once.
-std::vector<double> sorted_times(std::vector<double> times);
+// Times of displacements (ms), ascending, each once: numbers, or "0.1:100:30" for 30 of them from 0.1 to 100,
+// evenly spaced by their logarithm.
+std::vector<double> displacement_times(const std::string &text);
 // um/ms of each face by its compartment code: "0.02" for all, or "soma=0.02,axon=0.01"; empty when all are 0.
 std::vector<double> face_permeability(const std::string &text, const std::vector<std::uint8_t> &code);
 

@@ -4,6 +4,7 @@
 
 #include "parallel.hpp"
 #include "protocol.hpp"
+#include "spread.hpp"
 
 #include <glm/vec3.hpp>
 
@@ -26,10 +27,6 @@ struct Compartment {
   std::vector<std::uint32_t> walker;
 };
 
-struct Mean {
-  double value = 0.0, error = 0.0; // of the mean: sd / sqrt(n)
-};
-
 struct Signals {
   std::vector<Mean> real;        // [measurements]: mean of weight * cos(phase)
   std::vector<double> imaginary; // [measurements]: mean of weight * sin(phase)
@@ -37,13 +34,5 @@ struct Signals {
 };
 Signals mean_signals(const Protocol &protocol, const Walkers &walkers, const Compartment &compartment,
                      Workers &workers);
-
-// What moved how far by a time.
-struct Spread {
-  Mean msd;            // um^2
-  Mean diffusivity[3]; // um^2/ms, along each axis: <x^2> / (2 t)
-  Mean kurtosis[3];    // <x^4> / <x^2>^2 - 3
-};
-Spread spread_at(const Walkers &walkers, const Compartment &compartment, std::size_t time, double time_ms);
 
 } // namespace conceg::simulate

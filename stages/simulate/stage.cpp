@@ -290,7 +290,7 @@ void write_files(const conceg_params *params, const Protocol &protocol, const Re
 void simulate_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *params) {
   Phases phases;
   Protocol protocol = make_protocol(params);
-  const std::vector<double> times = numbers("times_ms", conceg_params_text(params, "times_ms"), 1e-6, 1e4);
+  const std::vector<double> times = displacement_times(conceg_params_text(params, "times_ms"));
   if (!times.empty()) record_at(protocol.timeline, times);
   const Tissue tissue(ctx, doc);
   phases.end("tissue");
@@ -329,12 +329,13 @@ void simulate_document(conceg_ctx *ctx, conceg_doc *doc, const conceg_params *pa
 
   const std::vector<std::uint8_t> code = codes(tissue, walls, seeds, workers);
   Results results;
-  results.compartment = compartments(tissue, seeds, code), results.time = sorted_times(times);
+  results.compartment = compartments(tissue, seeds, code), results.time = times;
   for (const Compartment &c : results.compartment) {
     results.signals.push_back(mean_signals(protocol, walked.walkers, c, workers));
     results.spread.emplace_back();
     for (std::size_t t = 0; t < results.time.size(); t++)
-      results.spread.back().push_back(spread_at(walked.walkers, c, t, results.time[t]));
+      results.spread.back().push_back(
+          spread_of(&walked.walkers.displacement[t * walked.walkers.count], c.walker, results.time[t]));
   }
   workers.count(ctx, "simulate.items");
   phases.end("signals");
@@ -396,8 +397,9 @@ const conceg_param parameters[] = {
      "of membranes: one value, or name=value of compartments with commas (soma=0.02,axon=0)", "0", nullptr,
      CONCEG_PARAM_TEXT, 0, 0, 0},
     {"step_ms", "ms", "longest time step", "0.001", nullptr, CONCEG_PARAM_F64, 0, 1e-6, 1},
-    {"times_ms", "ms", "times of displacements, with commas; empty = none", "", nullptr, CONCEG_PARAM_TEXT, 0,
-     0, 0},
+    {"times_ms", "ms",
+     "times of displacements: with commas, or FIRST:LAST:COUNT evenly by their logarithm; empty = none", "",
+     nullptr, CONCEG_PARAM_TEXT, 0, 0, 0},
     {"method", "",
      "jumps: far from membranes many steps at once; steps: every step by itself, each held against membranes",
      "jumps", "jumps|steps", CONCEG_PARAM_CHOICE, 0, 0, 0},

@@ -45,6 +45,8 @@ instead = {
     "simulate.step_ms": ("0.05", "the lower bound takes a thousand times the steps"),
     "analyse.points": ("1000", "the upper bound takes minutes"),
     "analyse.field_step_um": ("1", "the lower bound is the default, the upper one is wider than a cell"),
+    "analyse.tail_from_ms": ("0.1", "the lower bound is the default, the upper one is beyond the walk"),
+    "analyse.tail_to_ms": ("2", "the lower bound is the default, the upper one is beyond the walk"),
     "analyse.composition_cubes": ("16", "the upper bound takes minutes"),
     "analyse.composition_from_um": ("4", "the lower bound is below a voxel, the upper one wider than the box"),
     "analyse.erode_to": ("0.9", "the lower bound is the default"),
@@ -83,6 +85,7 @@ same = {
     "analyse.paths": "the voxels of this tissue are too coarse for it: unit.analyse_paths has finer ones",
     "analyse.path_um": "the voxels of this tissue are too coarse for paths: unit.analyse_stage has finer ones",
     "analyse.pores": "the voxels of this tissue are too coarse for it: unit.analyse_stage has finer ones",
+    "analyse.csv": "a folder for tables beside the document",
     "analyse.transport": "the voxels of this tissue are too coarse for it: unit.analyse_stage has finer ones",
     "analyse.structure_dir": "a folder for files beside the document",
     "characterise.root": "a folder that the files of this test are not in",
@@ -121,6 +124,7 @@ texts = {
     "simulate.b": "0,2",
     "simulate.permeability": "0.05",
     "simulate.times_ms": "0.5",
+    "analyse.csv": "{work}/csv",
     "simulate.csv": "{work}/signals",
     "simulate.nifti": "{work}/signals",
     "simulate.pictures": "{work}/signals",
@@ -164,6 +168,7 @@ needs = {
     **{f"export.{name}": ["--to", "mcdc", "--walkers", "10"] for name in ("diffusivity_um2_per_ms", "b_values_ms_per_um2", "directions", "pulse_ms", "separation_ms")},
     "relax.widening_um": ["--rounds", "2"],
     "block.margin_um": ["--lo-um", "8", "--hi-um", "12"],
+    **{f"analyse.{name}": ["--diffusivity"] for name in ("tail_from_ms", "tail_to_ms", "csv")},
     "analyse.composition_cubes": ["--composition"],
     "analyse.structure_pool": ["--structure", "{work}/real.cgx"],
     "analyse.structure_dir": ["--structure", "{work}/real.cgx"],
@@ -256,6 +261,8 @@ class Parameters:
             self.must("characterise", work / file, "--entry", "L23_pyramidal", "-q", "-o", work / f"{real}.cgx")
         if until == "mesh":
             self.must("analyse", work / "mesh.cgx", "--structure", work / "other.cgx", "--points", "0", "--field-step-um", "1", "-q", "-o", work / "analysed.cgx")
+        if (self.programs / "conceg-simulate").exists():
+            self.must("simulate", work / "mesh.cgx", *quick["simulate"], "--times-ms=0.1:4:12", "-q", "-o", work / "walked.cgx")
         made = work / "made"
         self.inputs = {
             "place": ["-p", recipe], "triangulate": [made / "01-place.cgx"], "grow": [made / "02-triangulate.cgx"], "relax": [made / "03-grow.cgx"],
@@ -271,6 +278,8 @@ class Parameters:
             return ["signal", self.work / "signals.txt"]
         if stage == "import" and name in ("voxel_um", "array", "axes", "resample_um"):
             return ["labels", self.work / "labels.npz"]
+        if stage == "analyse" and name in ("diffusivity", "tail_from_ms", "tail_to_ms", "csv") and (self.work / "walked.cgx").exists():
+            return [self.work / "walked.cgx"]
         if stage == "import" and name in ("box_um", "info"):
             return ["caterpillar", self.work / "table.csv"]
         if name == "strict":

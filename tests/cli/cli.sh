@@ -17,7 +17,7 @@ expect 2 "unknown word nonsense" "$conceg" nonsense
 expect 2 "expected a word before --json" "$conceg" --json
 expect 0 "" "$conceg" help
 expect_output "conceg run recipe.yaml --until mesh -o cube.cgx"
-for word in run info validate dump diff strip stages params; do
+for word in run info validate dump diff strip stages params bench; do
   expect 0 "" "$conceg" help $word
   expect_output "usage: conceg $word"
   expect_output "^example:"

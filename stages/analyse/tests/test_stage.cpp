@@ -234,6 +234,9 @@ void experiments() {
   const Run unmeshed = run(2, true, false, nothing, "analyse.pores=true", blocks);
   CHECK_EQUAL(unmeshed.status, CONCEG_E_MISSING);
   CHECK(unmeshed.error.find("conceg mesh") != std::string::npos);
+  const Run still = run(2, true, false, nothing, "analyse.diffusivity=true");
+  CHECK_EQUAL(still.status, CONCEG_E_MISSING);
+  CHECK(still.error.find("run conceg simulate --times-ms") != std::string::npos);
 
   const Run none = run(2, true, false, nothing, "analyse.spectrum=true");
   CHECK_EQUAL(none.status, CONCEG_OK);

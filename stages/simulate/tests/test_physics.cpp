@@ -111,6 +111,17 @@ void test_free(Workers &workers) {
   }
 }
 
+// K(t) of one axis, in the limit: that of the difference of two places in the pore.
+void hold_kurtosis(const char *what, const std::vector<Walk> &walks, std::size_t record, double time,
+                   int axis, double expected) {
+  std::vector<glm::dvec3> moved;
+  std::vector<std::uint32_t> walker;
+  for (const Walk &w : walks)
+    walker.push_back(static_cast<std::uint32_t>(moved.size())), moved.push_back(w.displacement[record]);
+  const Mean k = spread_of(moved.data(), walker, time).kurtosis[axis];
+  hold_one(what, k.value, k.error, expected);
+}
+
 // Displacements in pores: mean squares (sphere, series of eigenvalues), short-pulse signals after 10 ms and
 // in the limit.
 void test_displacements(Workers &workers) {
@@ -124,8 +135,9 @@ void test_displacements(Workers &workers) {
     add_sphere(m, glm::dvec3(6.0), 5.0, 5);
     const Walls walls(box, m, 0.12, workers, Progress());
     std::vector<std::vector<double>> msd, signal;
-    for (const Walk &w :
-         go(walls, timeline, physics, starts_in_sphere(walls, glm::dvec3(6.0), 5.0, 800 * factor), workers)) {
+    const std::vector<Walk> walks =
+        go(walls, timeline, physics, starts_in_sphere(walls, glm::dvec3(6.0), 5.0, 800 * factor), workers);
+    for (const Walk &w : walks) {
       std::vector<double> row, cosines;
       for (std::size_t t = 0; t < 4; t++)
         row.push_back(glm::dot(w.displacement[t], w.displacement[t]));
@@ -139,6 +151,7 @@ void test_displacements(Workers &workers) {
     hold("sphere 5: MSD at 1, 5, 10, 20 ms", msd, {9.00082200, 24.75533543, 29.07315800, 29.97105446});
     hold("sphere 5: short pulses, 10 ms and limit", signal,
          {0.82169887, 0.26502953, 0.01513474, 0.81632316, 0.24945588, 0.00758346});
+    hold_kurtosis("sphere 5: K_x in the limit", walks, 4, 50.0, 0, -3.0 / 7.0);
   }
   {
     Membranes m;
@@ -151,9 +164,14 @@ void test_displacements(Workers &workers) {
       start.push_back(
           {{6.0 + r * std::cos(a), 6.0 + r * std::sin(a), 12.0 * conceg_rng_uniform(&rng)}, true, i});
     }
-    std::vector<std::vector<double>> signal;
-    for (const Walk &w : go(walls, timeline, physics, start, workers)) {
+    std::vector<std::vector<double>> signal, spread;
+    const std::vector<Walk> walks = go(walls, timeline, physics, start, workers);
+    for (const Walk &w : walks) {
       std::vector<double> row;
+      spread.emplace_back();
+      for (std::size_t t = 0; t < 3; t++)
+        spread.back().push_back((std::pow(w.displacement[t].x, 2) + std::pow(w.displacement[t].y, 2)) /
+                                (4.0 * times[t]));
       for (const std::size_t t : {2u, 4u})
         for (const double k : q)
           row.push_back(0.5 * (std::cos(k * w.displacement[t].x) + std::cos(k * w.displacement[t].y)));
@@ -165,6 +183,16 @@ void test_displacements(Workers &workers) {
     hold("cylinder 5: short pulses; along it free", signal,
          {0.78853025, 0.19343985, 0.01225514, 0.77457807, 0.15814563, 0.00109043, std::exp(-0.04 * 20.0),
           200.0});
+    // D(t) = R^2 / (4 t) (1 - 8 sum exp(-mu^2 D t / R^2) / (mu^2 (mu^2 - 1))), J1'(mu) = 0.
+    std::vector<double> expected;
+    for (std::size_t t = 0; t < 3; t++) {
+      double sum = 0.0;
+      for (const double mu : {1.8411837813, 5.3314427735, 8.5363163663, 11.7060049026})
+        sum += std::exp(-mu * mu * 2.0 * times[t] / 25.0) / (mu * mu * (mu * mu - 1.0));
+      expected.push_back(25.0 / (4.0 * times[t]) * (1.0 - 8.0 * sum));
+    }
+    hold("cylinder 5: D(t) across at 1, 5, 10 ms", spread, expected);
+    hold_kurtosis("cylinder 5: K_x in the limit", walks, 4, 50.0, 0, -0.5);
   }
   {
     Membranes m;
@@ -175,9 +203,13 @@ void test_displacements(Workers &workers) {
       conceg_rng rng = conceg_rng_stream(seed, "test.plane", i);
       start.push_back({{6.0, 6.0, 1.0 + 10.0 * conceg_rng_uniform(&rng)}, true, i});
     }
-    std::vector<std::vector<double>> signal;
-    for (const Walk &w : go(walls, timeline, physics, start, workers)) {
+    std::vector<std::vector<double>> signal, spread;
+    const std::vector<Walk> walks = go(walls, timeline, physics, start, workers);
+    for (const Walk &w : walks) {
       std::vector<double> row;
+      spread.emplace_back();
+      for (std::size_t t = 0; t < 3; t++)
+        spread.back().push_back(std::pow(w.displacement[t].z, 2) / (2.0 * times[t]));
       for (const std::size_t t : {2u, 4u})
         for (const double k : q)
           row.push_back(std::cos(k * w.displacement[t].z));
@@ -186,6 +218,16 @@ void test_displacements(Workers &workers) {
     // The limit at 50 ms is short of its last 4e-5.
     hold("planes 10: short pulses", signal,
          {0.74574556, 0.13532526, 0.04634914, 0.70807342, 0.05730703, 0.03579688});
+    // D(t) = L^2 / (12 t) (1 - 96 / pi^4 sum over odd n of exp(-n^2 pi^2 D t / L^2) / n^4).
+    std::vector<double> expected;
+    for (std::size_t t = 0; t < 3; t++) {
+      double sum = 0.0;
+      for (int n = 1; n < 20; n += 2)
+        sum += std::exp(-n * n * M_PI * M_PI * 2.0 * times[t] / 100.0) / std::pow(n, 4);
+      expected.push_back(100.0 / (12.0 * times[t]) * (1.0 - 96.0 / std::pow(M_PI, 4) * sum));
+    }
+    hold("planes 10: D(t) across at 1, 5, 10 ms", spread, expected);
+    hold_kurtosis("planes 10: K_z in the limit", walks, 4, 50.0, 2, -0.6);
   }
 }
 

@@ -135,6 +135,12 @@ void test_results() {
   CHECK_NEAR(intra / 300.0, share, 4.5 * std::sqrt(share / 300.0));
   for (const double d : one.diffusivity)
     CHECK(d > 0.0 && d < 3.0);
+  // Times by their logarithm are the same run as the list of them.
+  const Run spaced = run(2, with({"times_ms=0.5:2:3"})), listed = run(1, with({"times_ms=2,1,0.5,1"}));
+  CHECK_EQUAL(spaced.diffusivity.size(), 3 * 3 * spaced.compartment.size());
+  CHECK_EQUAL(listed.diffusivity.size(), spaced.diffusivity.size());
+  for (std::size_t i = 0; i < std::min(listed.diffusivity.size(), spaced.diffusivity.size()); i++)
+    CHECK_NEAR(spaced.diffusivity[i], listed.diffusivity[i], 1e-9);
   const Run cell = run(1, with({"compartment=intra", "cells=id:20", "walkers=64"})),
             kind = run(1, with({"compartment=intra", "kind=astrocyte", "walkers=64"}));
   for (const std::int64_t c : cell.cell)
@@ -264,6 +270,10 @@ void test_refused() {
   says(run(1, with({"cells=0", "kind=astrocyte"})), CONCEG_E_RANGE, "expected a cell of kind");
   says(run(1, with({"margin_um=10"})), CONCEG_E_RANGE, "less than half of the box");
   says(run(1, with({"b=0,x"})), CONCEG_E_PARAM, "expected numbers with commas");
+  for (const char *times :
+       {"times_ms=1:2", "times_ms=2:1:5", "times_ms=1:2:1.5", "times_ms=1:2:1", "times_ms=1:2:3:4"})
+    says(run(1, with({times})), CONCEG_E_PARAM, "times_ms: expected FIRST:LAST:COUNT");
+  says(run(1, with({"times_ms=0:2:3"})), CONCEG_E_PARAM, "times_ms: expected numbers from 1e-06 to 10000");
   says(run(1, with({"b=-1"})), CONCEG_E_PARAM, "from 0 to 1000");
   says(run(1, with({"echo_ms=1"})), CONCEG_E_PARAM, "at least delta + Delta");
   says(run(1, with({"permeability=wall=1"})), CONCEG_E_PARAM, "expected a compartment");
