@@ -329,10 +329,8 @@ static int bench_scaling(struct bench *bench) {
   if (length <= 0)
     return cli_fail(cli, EXIT_MISSING, "the system does not tell where this program is (/proc)");
   bench->self[length] = '\0';
-  if (!cli->words.count || strcmp(cli->words.word[0], "scaling") != 0)
-    return cli_fail(cli, EXIT_USAGE, "which bench? usage: %s %s", cli->program->name, cli->program->usage);
-  bench->recipe_path = cli->recipe ? cli->recipe : cli->words.count > 1 ? cli->words.word[1] : NULL;
-  if (!bench->recipe_path || (cli->recipe && cli->words.count > 1))
+  bench->recipe_path = cli->recipe ? cli->recipe : cli->words.count ? cli->words.word[0] : NULL;
+  if (!bench->recipe_path || (cli->recipe && cli->words.count))
     return cli_fail(cli, EXIT_USAGE, "which recipe? usage: %s %s", cli->program->name, cli->program->usage);
   if (!cli->output) return cli_fail(cli, EXIT_USAGE, "where to? give a folder with -o DIR");
   bench->folder = cli->output;
@@ -351,12 +349,8 @@ static int bench_scaling(struct bench *bench) {
   return cli_close_stdout(cli, EXIT_OK);
 }
 
-int tool_bench(int argc, char **argv) {
+static int scaling_main(int argc, char **argv) {
   static struct bench bench;
-  static const struct cli_word words[] = {
-      {"scaling",
-       "seconds, memory and sizes of every stage in boxes of several sides, and the exponent in the volume"},
-      {NULL, NULL}};
   const struct cli_option options[] = {
       {"sides", 0, "LIST",
        "sides of the boxes in um, each alone or as SIDE:CELLS (default " DEFAULT_SIDES ")", NULL,
@@ -364,14 +358,13 @@ int tool_bench(int argc, char **argv) {
       {"until", 0, "STAGE", "end after this stage (default mesh)", NULL, &bench.until, NULL},
       {NULL, 0, NULL, NULL, NULL, NULL, NULL}};
   const struct cli_program program = {
-      .name = "conceg bench",
-      .usage = "scaling RECIPE [options] -o DIR",
+      .name = "conceg bench scaling",
+      .usage = "RECIPE [options] -o DIR",
       .summary =
           "what a recipe costs: DIR/scaling.csv, .json and .svg; boxes that DIR holds already are kept",
       .example = "conceg bench scaling cube.yaml --sides 20,30,40 -o scaling",
       .options = options,
-      .words = words,
-      .most_words = 2};
+      .most_words = 1};
   int code;
   memset(&bench, 0, sizeof bench);
   bench.sides = DEFAULT_SIDES, bench.until = "mesh";
@@ -379,4 +372,27 @@ int tool_bench(int argc, char **argv) {
   if (code < 0) code = bench_scaling(&bench);
   words_free(&bench.kinds);
   return cli_end(&bench.cli, code);
+}
+
+int tool_bench(int argc, char **argv) {
+  static const struct cli_word words[] = {
+      {"scaling",
+       "seconds, memory and sizes of every stage in boxes of several sides, and the exponent in the volume"},
+      {NULL, NULL}};
+  static const struct cli_program program = {.name = "conceg bench",
+                                             .usage = "scaling RECIPE [options] -o DIR",
+                                             .summary = "what a recipe costs",
+                                             .example = "conceg bench scaling cube.yaml -o scaling",
+                                             .words = words};
+  const char *const word = argc > 1 ? argv[1] : "";
+  if (!strcmp(word, "scaling")) return scaling_main(argc - 1, argv + 1);
+  if (!strncmp(word, "--help", 6) || !strcmp(word, "-h")) {
+    struct cli cli;
+    return cli_end(&cli, cli_begin(&cli, &program, argc, argv));
+  }
+  fprintf(stderr,
+          "usage: conceg bench scaling RECIPE [options] -o DIR\nconceg bench: error: expected scaling%s%s "
+          "(conceg bench --help)\n",
+          *word ? ", got " : "", word);
+  return EXIT_USAGE;
 }

@@ -14,7 +14,7 @@ recipe=$source/tests/pipe/small.yaml
 expect 0 "" conceg bench --help
 expect_output "usage: conceg bench scaling RECIPE"
 expect_output "^example:"
-expect 2 "which bench" conceg bench
+expect 2 "expected scaling" conceg bench
 expect 2 "which recipe" conceg bench scaling
 expect 2 "give a folder with -o DIR" conceg bench scaling "$recipe"
 expect 2 "sides of 1 to 10000 um" conceg bench scaling "$recipe" --sides 20,x -o out
