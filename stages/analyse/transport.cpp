@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "transport.hpp"
 
+#include "multigrid.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 namespace conceg::analyse {
 
 namespace {
 
-constexpr int most_iterations = 5000;
+constexpr int most_iterations = 5000, usual_iterations = 60; // of the latter progress is told
 
 // The operator on open voxels, numbered as they come, for the slope along one axis: sum over the open
 // neighbours of c_a (u_i - u_j), c_a = 1 / spacing_a^2. Beyond a face that is not periodic there is nothing,
@@ -18,8 +21,6 @@ constexpr int most_iterations = 5000;
 class CellProblem {
 public:
   CellProblem(const OpenVoxels &voxels, Workers &workers) : spacing_(voxels.spacing), workers_(workers) {
-    for (std::size_t a = 0; a < 3; a++)
-      weight_[a] = 1 / (voxels.spacing[a] * voxels.spacing[a]);
     std::vector<std::uint32_t> number(voxels.open.size(), closed);
     std::vector<std::size_t> place;
     for (std::size_t i = 0; i < voxels.open.size(); i++)
@@ -34,26 +35,19 @@ public:
         near_[n][k] = j == Steps::outside ? beyond : number[j];
       }
     });
+    multigrid_.emplace(graph(), places(voxels, place), workers);
   }
 
-  void set_axis(std::size_t axis) { axis_ = axis; }
+  void set_axis(std::size_t axis) {
+    axis_ = axis;
+    std::vector<double> boundary(size(), 0);
+    for (std::size_t i = 0; i < size(); i++)
+      for (const std::size_t k : {2 * axis, 2 * axis + 1})
+        if (near_[i][k] == beyond) boundary[i] += 2 * weight(axis);
+    multigrid_->set_boundary(std::move(boundary));
+  }
   std::size_t size() const { return near_.size(); }
-
-  // out = A u; returns u . A u.
-  double apply(const std::vector<double> &u, std::vector<double> &out) const {
-    return each([&](std::size_t i) {
-      double flux = 0;
-      for (std::size_t k = 0; k < 6; k++) {
-        const std::uint32_t j = near_[i][k];
-        if (j < beyond)
-          flux += weight_[k / 2] * (u[i] - u[j]);
-        else if (j == beyond && k / 2 == axis_)
-          flux += 2 * weight_[axis_] * u[i];
-      }
-      out[i] = flux;
-      return u[i] * flux;
-    });
-  }
+  Multigrid &operators() { return *multigrid_; }
 
   // What the slope along the axis puts into each voxel: (open above - open below) / spacing.
   std::vector<double> source() const {
@@ -96,31 +90,64 @@ public:
 private:
   static constexpr std::size_t chunk = 8192;
   static constexpr std::uint32_t closed = std::numeric_limits<std::uint32_t>::max(), beyond = closed - 1;
-  std::array<double, 3> spacing_, weight_;
+
+  double weight(std::size_t axis) const { return 1 / (spacing_[axis] * spacing_[axis]); }
+
+  WeightedGraph graph() const {
+    WeightedGraph out;
+    out.offset.push_back(0);
+    for (const std::array<std::uint32_t, 6> &near : near_) {
+      for (std::size_t k = 0; k < 6; k++)
+        if (near[k] < beyond) {
+          out.neighbour.push_back(near[k]);
+          out.weight.push_back(static_cast<float>(weight(k / 2)));
+        }
+      out.offset.push_back(out.neighbour.size());
+    }
+    return out;
+  }
+
+  static std::vector<Multigrid::Place> places(const OpenVoxels &voxels,
+                                              const std::vector<std::size_t> &place) {
+    const auto [nx, ny, nz] = voxels.shape;
+    (void)nx;
+    std::vector<Multigrid::Place> out;
+    out.reserve(place.size());
+    for (const std::size_t i : place)
+      out.push_back({static_cast<std::uint32_t>(i / nz / ny), static_cast<std::uint32_t>(i / nz % ny),
+                     static_cast<std::uint32_t>(i % nz)});
+    return out;
+  }
+
+  std::array<double, 3> spacing_;
   Workers &workers_;
   std::size_t axis_ = 0;
   std::vector<std::array<std::uint32_t, 6>> near_; // number of the open neighbour, or closed, or beyond
+  std::optional<Multigrid> multigrid_;
 };
 
-// Conjugate gradients; isolated pieces of the open space only add constants, which do no harm.
-int solve(const CellProblem &problem, const std::vector<double> &source, double tolerance,
-          std::vector<double> &u, const Progress &progress) {
-  std::vector<double> residual = source, direction = source, applied(u.size(), 0);
-  double squares = problem.each([&](std::size_t i) { return residual[i] * residual[i]; });
+// Preconditioned conjugate gradients; isolated pieces of the open space only add constants, which do no harm.
+int solve(CellProblem &problem, const std::vector<double> &source, double tolerance, std::vector<double> &u,
+          const Progress &progress) {
+  std::vector<double> residual = source, direction(u.size(), 0), near(u.size(), 0), applied(u.size(), 0);
+  double squares = problem.each([&](std::size_t i) { return residual[i] * residual[i]; }), product = 1;
   const double enough = tolerance * tolerance * squares;
   int n = 0;
   for (; n < most_iterations && squares > enough; n++) {
-    if (n % 20 == 0) report(progress, "transport", static_cast<std::uint64_t>(n), most_iterations);
-    const double curvature = problem.apply(direction, applied);
+    report(progress, "transport", static_cast<std::uint64_t>(std::min(n, usual_iterations)), usual_iterations);
+    problem.operators().precondition(residual, near);
+    const double next = problem.each([&](std::size_t i) { return residual[i] * near[i]; });
+    const double share = n ? next / product : 0;
+    product = next;
+    problem.each([&](std::size_t i) { return direction[i] = near[i] + share * direction[i], 0.0; });
+    problem.operators().apply(direction, applied);
+    const double curvature = problem.each([&](std::size_t i) { return direction[i] * applied[i]; });
     if (!(curvature > 0)) break;
-    const double step = squares / curvature;
-    const double next = problem.each([&](std::size_t i) {
+    const double step = product / curvature;
+    squares = problem.each([&](std::size_t i) {
       u[i] += step * direction[i], residual[i] -= step * applied[i];
       return residual[i] * residual[i];
     });
-    const double share = next / squares;
-    problem.each([&](std::size_t i) { return direction[i] = residual[i] + share * direction[i], 0.0; });
-    squares = next;
   }
   return n;
 }

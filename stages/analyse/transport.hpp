@@ -18,12 +18,12 @@ struct Transport {
 };
 
 // Solves the periodic cell problem  div (grad u_a + e_a) = 0, no flux into closed voxels,  by finite volumes
-// and conjugate gradients, to `tolerance` of the residual at the start; D*_aa / D_0 = <(grad u_a + e_a)_a>
-// over the open voxels. Walls are staircases, so D* comes out low by about one voxel's size over the pore's;
-// halve the voxels and extrapolate: D*(0) = 2 D*(h) - D*(2 h). A box that is not periodic is mirrored at its
-// faces: it is what flows through it along a between faces at two concentrations, with no flux through the
-// others. The result does not depend on the number of threads. `axes`: which of the
-// three are solved (the others stay 0).
+// and conjugate gradients (multigrid.hpp), to `tolerance` of the residual at the start; D*_aa / D_0 = <(grad
+// u_a + e_a)_a> over the open voxels. Walls are staircases, so D* comes out low by about one voxel's size
+// over the pore's; halve the voxels and extrapolate: D*(0) = 2 D*(h) - D*(2 h). A box that is not periodic is
+// mirrored at its faces: it is what flows through it along a between faces at two concentrations, with no
+// flux through the others. The result does not depend on the number of threads. `axes`: which of the three
+// are solved (the others stay 0).
 Transport transport_of(const OpenVoxels &voxels, const std::array<bool, 3> &axes, double tolerance,
                        Workers &workers, const Progress &progress);
 
