@@ -6,7 +6,7 @@
     table2.py --run FOLDER [--side-um 60] [--walkers 100000] [--margin-um 0]
 
 --run makes all of it in FOLDER first: the blocks of apps/recipes/layer3.yaml and its fellows (layer3.cgx and so on, unless they are there),
-their signals, and the fits, with their tables in folders layer3, layer4 and layer5. Else each folder holds the tables that `conceg fit --csv
+their signals (after a kill the same command goes on with the walkers that are finished), and the fits, with their tables in folders layer3, layer4 and layer5. Else each folder holds the tables that `conceg fit --csv
 FOLDER` wrote for a block of that layer; - stands for a layer without fits. Of several fits to a signal the first one of the kernel, with the
 neurites' diffusivity free or held, is shown. Needs nothing but Python."""
 import argparse
@@ -97,11 +97,11 @@ def run_layer(layer, folder, asked):
     recipe.write_text(text.replace(sizes, "size_um: [{0:g}, {0:g}, {0:g}]".format(asked.side_um)))
     if not block.exists():
         conceg(asked.conceg, "run", recipe, "--until", "mesh", "-q", "-o", block)
-    simulated, fitted = folder / "simulated.cgx", folder / "fitted.cgx"
-    conceg(asked.conceg, "simulate", block, "--walkers", asked.walkers, "--margin_um", asked.margin_um, "--csv", tables, "-o", simulated)
+    simulated, fitted, checkpoint = folder / "simulated.cgx", folder / "fitted.cgx", folder / f"layer{layer}.checkpoint"
+    conceg(asked.conceg, "simulate", block, "--walkers", asked.walkers, "--margin_um", asked.margin_um, "--checkpoint", checkpoint, "--csv", tables, "-o", simulated)
     conceg(asked.conceg, "fit", simulated, "--variants=true", "-q", "--csv", tables, "-o", fitted)
-    simulated.unlink()
-    fitted.unlink()
+    for path in (simulated, fitted, checkpoint):
+        path.unlink(missing_ok=True)
     return tables
 
 

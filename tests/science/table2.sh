@@ -52,7 +52,7 @@ END
 chmod +x stub
 line '^  5 +26 -> 24 \| 25.0 -> 25.0 ' python3 "$table" --run made --side-um 30 --walkers 70 --margin-um 4 --conceg ./stub --kernel exact
 line '^run made/layer4.yaml --until mesh -q -o made/layer4.cgx$' cat words
-line '^simulate made/layer4.cgx --walkers 70 --margin_um 4.0 --csv made/layer4 -o made/simulated.cgx$' cat words
+line '^simulate made/layer4.cgx --walkers 70 --margin_um 4.0 --checkpoint made/layer4.checkpoint --csv made/layer4 -o made/simulated.cgx$' cat words
 line 'size_um: \[30, 30, 30\]' cat made/layer5.yaml
 line 'error: expected three folders, or --run FOLDER' python3 "$table" three four
 line 'error: conceg run: expected it to succeed' python3 "$table" --run other --conceg false
