@@ -9,7 +9,7 @@ namespace conceg::analyse {
 
 namespace {
 
-constexpr std::size_t chunk = 8192, small_enough = 1000;
+constexpr std::size_t small_enough = 1000;
 constexpr int last_sweeps = 8;
 constexpr double damping = 0.7, enlarged = 1.8; // of Jacobi's steps; of the coarse correction
 
@@ -125,7 +125,7 @@ void Multigrid::set_boundary(std::vector<double> boundary) {
 
 void Multigrid::apply(const Level &level, const std::vector<double> &u, std::vector<double> &out) const {
   const WeightedGraph &graph = level.graph;
-  workers_.loop(graph.size(), chunk, [&](std::size_t i, unsigned) {
+  loop(graph.size(), [&](std::size_t i) {
     double sum = graph.boundary[i] * u[i];
     for (std::uint64_t e = graph.offset[i]; e < graph.offset[i + 1]; e++)
       sum += static_cast<double>(graph.weight[e]) * (u[i] - u[graph.neighbour[e]]);
@@ -143,11 +143,11 @@ void Multigrid::cycle(std::size_t at, const std::vector<double> &residual, std::
   const std::size_t size = level.graph.size();
   out.resize(size);
   if (level.group.empty()) return sweep_last(level, residual, out);
-  workers_.loop(size, chunk, [&](std::size_t i, unsigned) { out[i] = level.inverse[i] * residual[i]; });
+  loop(size, [&](std::size_t i) { out[i] = level.inverse[i] * residual[i]; });
   level.left.resize(size);
   apply(level, out, level.left);
   level.rest.resize(level.first.size() - 1);
-  workers_.loop(level.rest.size(), chunk, [&](std::size_t g, unsigned) {
+  loop(level.rest.size(), [&](std::size_t g) {
     double sum = 0;
     for (std::uint32_t m = level.first[g]; m < level.first[g + 1]; m++)
       sum += residual[level.member[m]] - level.left[level.member[m]];
@@ -163,10 +163,9 @@ void Multigrid::cycle(std::size_t at, const std::vector<double> &residual, std::
     for (std::size_t g = 0; g < level.rest.size(); g++)
       level.out[g] += level.again[g];
   }
-  workers_.loop(size, chunk, [&](std::size_t i, unsigned) { out[i] += level.out[level.group[i]]; });
+  loop(size, [&](std::size_t i) { out[i] += level.out[level.group[i]]; });
   apply(level, out, level.left);
-  workers_.loop(size, chunk,
-                [&](std::size_t i, unsigned) { out[i] += level.inverse[i] * (residual[i] - level.left[i]); });
+  loop(size, [&](std::size_t i) { out[i] += level.inverse[i] * (residual[i] - level.left[i]); });
 }
 
 // Gauss and Seidel forward and back, from zero: symmetric.

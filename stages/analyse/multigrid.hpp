@@ -44,6 +44,13 @@ private:
     std::vector<double> left, rest, out, again; // A u of a cycle; what is left to the groups, their answer
   };
 
+  // Levels of a few chunks are not worth waking the others for: a cycle visits them often.
+  template <class Body> void loop(std::size_t size, const Body &body) const {
+    constexpr std::size_t chunk = 8192;
+    if (size > 2 * chunk) return workers_.loop(size, chunk, [&](std::size_t i, unsigned) { body(i); });
+    for (std::size_t i = 0; i < size; i++)
+      body(i);
+  }
   void apply(const Level &level, const std::vector<double> &u, std::vector<double> &out) const;
   void cycle(std::size_t at, const std::vector<double> &residual, std::vector<double> &out);
   void sweep_last(const Level &level, const std::vector<double> &residual, std::vector<double> &out) const;
