@@ -8,7 +8,7 @@
 #   clang      everything by clang 14, warnings as errors, its unit tests, and the tissue of PROGRAMS again, byte for byte
 set -eu
 source=$1 folder=$2 kind=$3
-stages="CHARACTERISE IMPORT PLACE TRIANGULATE GROW RELAX MESH SIMULATE FIT ANALYSE EXPORT RENDER REPORT"
+stages="CHARACTERISE IMPORT PLACE TRIANGULATE GROW RELAX MESH SIMULATE FIT ANALYSE EXPORT RENDER REPORT BLOCK"
 without() { for stage; do printf -- '-DCONCEG_STAGE_%s=OFF ' "$stage"; done; }
 case $kind in
   bare) options="-DCONCEG_TESTS=OFF -DCONCEG_QUERY=OFF $(without $stages)" ;;

@@ -261,7 +261,7 @@ class Parameters:
             self.must("characterise", work / file, "--entry", "L23_pyramidal", "-q", "-o", work / f"{real}.cgx")
         if until == "mesh":
             self.must("analyse", work / "mesh.cgx", "--structure", work / "other.cgx", "--points", "0", "--field-step-um", "1", "-q", "-o", work / "analysed.cgx")
-        if (self.programs / "conceg-simulate").exists():
+        if until == "mesh" and (self.programs / "conceg-simulate").exists():
             self.must("simulate", work / "mesh.cgx", *quick["simulate"], "--times-ms=0.1:4:12", "-q", "-o", work / "walked.cgx")
         made = work / "made"
         self.inputs = {
