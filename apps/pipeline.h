@@ -6,9 +6,7 @@
 #include "cli.h"
 
 /* The recipe's `stages`, else the default order, with `block` before mesh where it is asked for, cut to
- * --from and
- * --until (NULL = no cut). 0 or an exit
- * code. */
+ * --from and --until (NULL = no cut). 0 or an exit code. */
 int pipeline_choose(struct cli *cli, const conceg_recipe *recipe, const char *from, const char *until,
                     int with_block, struct words *kinds);
 

@@ -48,14 +48,14 @@ template <class Field> std::vector<std::string> fields_of(const Block &block, Fi
 // One value alone has neither an sd nor an error.
 std::string mean_field(const MeanSd &m, const Shown &column) {
   if (!m.count) return "-";
-  if (m.count < 2) return written("%.*f", column.digits, column.scale * m.mean);
-  return written("%.*f +- %.*f", column.digits, column.scale * m.mean, column.digits, column.scale * m.sd);
+  if (m.count < 2) return formatted("%.*f", column.digits, column.scale * m.mean);
+  return formatted("%.*f +- %.*f", column.digits, column.scale * m.mean, column.digits, column.scale * m.sd);
 }
 std::string difference_field(const Difference &d, const Shown &column) {
   if (!d.count) return "-";
-  if (d.count < 2) return written("%+.*f", column.error_digits, column.scale * d.mean);
-  return written("%+.*f (%.*f)", column.error_digits, column.scale * d.mean, column.error_digits,
-                 column.scale * d.standard_error);
+  if (d.count < 2) return formatted("%+.*f", column.error_digits, column.scale * d.mean);
+  return formatted("%+.*f (%.*f)", column.error_digits, column.scale * d.mean, column.error_digits,
+                   column.scale * d.standard_error);
 }
 
 std::vector<std::string> means(const Block &block, MeanSd ComparisonRow::*side) {
@@ -70,7 +70,7 @@ std::vector<std::string> differences(const Block &block, Difference ComparisonRo
 std::vector<std::string> effects(const Block &block, bool held_back) {
   return fields_of(block, [&](const ComparisonRow &row, const Shown &) {
     const Difference &d = row.from_drawn.count && !held_back ? row.from_drawn : row.from_donors;
-    return d.count ? written("%+.2f", d.in_sd) : std::string("-");
+    return d.count ? formatted("%+.2f", d.in_sd) : std::string("-");
   });
 }
 std::vector<std::string> verdicts(const Block &block) {
@@ -78,10 +78,10 @@ std::vector<std::string> verdicts(const Block &block) {
 }
 
 std::vector<std::string> published_fields(const PublishedRow &row) {
-  return {written("%.2f +- %.2f", row.order, row.order_sd),
-          written("%.1f +- %.1f", row.length_um, row.length_sd_um),
-          written("%.2f +- %.2f", row.straightness, row.straightness_sd),
-          written("%.0f +- %.0f", row.angle_degree, row.angle_sd_degree),
+  return {formatted("%.2f +- %.2f", row.order, row.order_sd),
+          formatted("%.1f +- %.1f", row.length_um, row.length_sd_um),
+          formatted("%.2f +- %.2f", row.straightness, row.straightness_sd),
+          formatted("%.0f +- %.0f", row.angle_degree, row.angle_sd_degree),
           "-",
           "-"};
 }
@@ -121,12 +121,12 @@ void add_bar_lines(const std::vector<BarsRow> &bars, std::vector<std::string> &o
                          "start um", "grown", "95 % done"},
                         bar_field_width));
   for (const BarsRow &row : bars) {
-    const auto percent = [&](std::uint64_t count) { return written("%.1f", 100.0 * row.share(count)); };
+    const auto percent = [&](std::uint64_t count) { return formatted("%.1f", 100.0 * row.share(count)); };
     out.push_back(line_of(row.type, std::to_string(row.bars.bars()),
                           {percent(row.bars.state[1]), percent(row.bars.state[2]), percent(row.bars.state[3]),
                            percent(row.bars.state[4]), percent(row.bars.state[0]), percent(row.reached),
-                           written("%.3f", row.length_ratio()),
-                           row.forks ? written("%+.2f", row.mean_start_bias_um()) : std::string("-"),
+                           formatted("%.3f", row.length_ratio()),
+                           row.forks ? formatted("%+.2f", row.mean_start_bias_um()) : std::string("-"),
                            std::to_string(row.cells_grown) + "/" + std::to_string(row.cells),
                            row.within() ? "yes" : "no"},
                           bar_field_width));
@@ -195,9 +195,10 @@ std::vector<std::string> comparison_lines(const CompareInput &in, const std::vec
   out.emplace_back(
       "Mean +- sd of the cells' means (straightness: of all branches, resampled at 1 um). Drawn: "
       "the bars that each cell was asked for; differences from it cell by cell, (standard error).");
-  out.push_back(written("In sd of the entry's donors. Within: order and branch |in sd| <= %g; straightness "
-                        "|difference| + standard error <= %g; unsure: missed by less than a standard error.",
-                        tolerance_in_sd, straightness_tolerance));
+  out.push_back(
+      formatted("In sd of the entry's donors. Within: order and branch |in sd| <= %g; straightness "
+                "|difference| + standard error <= %g; unsure: missed by less than a standard error.",
+                tolerance_in_sd, straightness_tolerance));
   for (const Entry &entry : in.entries)
     if (entry.has_held_back()) {
       out.emplace_back("Donors were held back: order and branch are judged against those alone, straightness "

@@ -147,8 +147,8 @@ private:
                          : input_.median_distance > 0 ? 0.5 * input_.median_distance
                                                       : 0.05;
     const auto voxels = 2 * static_cast<std::size_t>(std::ceil(0.5 * side / voxel - 1e-9));
-    const double bytes =
-        45.0 * std::pow(static_cast<double>(voxels), 3); // of the cell problem, which is the most
+    // Of the cell problem, which is the most: 190 bytes for an open voxel, and half of them open.
+    const double bytes = 100.0 * std::pow(static_cast<double>(voxels), 3);
     if (bytes > static_cast<double>(conceg_ctx_memory(ctx_)))
       fail(CONCEG_E_NOMEM,
            "block_voxel_um: %zu voxels a side take %.3g GB, more than --memory; give smaller "

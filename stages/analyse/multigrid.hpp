@@ -28,7 +28,6 @@ public:
   // thread.
   Multigrid(WeightedGraph graph, std::vector<Place> place, Workers &workers);
 
-  const WeightedGraph &graph() const { return levels_.front().graph; }
   void set_boundary(std::vector<double> boundary); // of all levels, from that of the voxels
   // out = A u on the voxels.
   void apply(const std::vector<double> &u, std::vector<double> &out) const { apply(levels_.front(), u, out); }

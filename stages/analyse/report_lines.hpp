@@ -2,18 +2,13 @@
 // Aligned lines for people: a name, a number of cells, fields.
 #pragma once
 
+#include "formatted.hpp"
+
 #include <algorithm>
-#include <cstdio>
 #include <string>
 #include <vector>
 
 namespace conceg::analyse {
-
-template <class... Values> std::string written(const char *format, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 inline void pad(std::string &line, const std::string &field, std::size_t width) {
   line += std::string(field.size() < width ? width - field.size() : 1, ' ') + field;

@@ -98,8 +98,8 @@ double known(double value, double none) {
 
 std::string mean_field(const Side &s, const Shown &c) {
   if (!(s.count > 0)) return "-";
-  if (s.count < 2) return written("%.*f", c.digits, c.scale * s.mean);
-  return written("%.*f +- %.*f", c.digits, c.scale * s.mean, c.digits, c.scale * s.sd);
+  if (s.count < 2) return formatted("%.*f", c.digits, c.scale * s.mean);
+  return formatted("%.*f +- %.*f", c.digits, c.scale * s.mean, c.digits, c.scale * s.sd);
 }
 
 template <class Field> std::vector<std::string> fields_of(Field field) {
@@ -110,7 +110,7 @@ template <class Field> std::vector<std::string> fields_of(Field field) {
 }
 
 std::string cells_text(double count) {
-  return written("%.0f", count);
+  return formatted("%.0f", count);
 }
 
 void add_means(const StructureResult &r, Level level, std::vector<std::string> &out) {
@@ -139,8 +139,8 @@ void add_paper(const StructureResult &r, std::vector<std::string> &out) {
     out.push_back(line_of(name, std::to_string(row->cells), fields_of([row = row](const Shown &c) {
                             MeanSd m;
                             if (!published_value(*row, c.trait, m)) return std::string("-");
-                            return written("%.*f +- %.*f", c.digits, c.scale * m.mean, c.digits,
-                                           c.scale * m.sd);
+                            return formatted("%.*f +- %.*f", c.digits, c.scale * m.mean, c.digits,
+                                             c.scale * m.sd);
                           }),
                           field_width));
 }
@@ -155,13 +155,13 @@ const StructureJudgement *find(const std::vector<StructureJudgement> &all, Level
 std::string value_field(const StructureJudgement &j) {
   if (std::isnan(j.value)) return "-";
   const char *const format = j.statistic == Statistic::cohens_d ? "%+.2f" : "%.2f";
-  std::string out = written(format, j.value);
-  if (!std::isnan(j.low)) out += " [" + written(format, j.low) + " " + written(format, j.high) + "]";
+  std::string out = formatted(format, j.value);
+  if (!std::isnan(j.low)) out += " [" + formatted(format, j.low) + " " + formatted(format, j.high) + "]";
   return out;
 }
 std::string floor_field(const StructureJudgement &j) {
   if (std::isnan(j.floor) || std::isnan(j.halves)) return "-";
-  return written("%.2f of %.2f, %.0f %%", j.halves, j.floor, 100 * j.above);
+  return formatted("%.2f of %.2f, %.0f %%", j.halves, j.floor, 100 * j.above);
 }
 
 // The worst of a trait's statistics.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "final_check.hpp"
 
+#include "formatted.hpp"
 #include "view.hpp"
 #include "wrap.hpp"
 
@@ -8,16 +9,6 @@
 
 namespace conceg::mesh {
 namespace {
-
-std::string line(const char *format, ...) CONCEG_PRINTF(1, 2);
-std::string line(const char *format, ...) {
-  char text[320];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
 
 struct Arrays {
   View<std::uint32_t> cell, face;
@@ -54,9 +45,9 @@ void check_values(const Arrays &arrays, const Views &surfaces, Workers &workers,
     for (std::uint32_t v = 0; v < surface.vertices && found[s].empty(); v++) {
       const glm::dvec3 p = surface.from_origin(v);
       if (!is_single(p.x) || !is_single(p.y) || !is_single(p.z))
-        found[s] = line("vertex is not its origin plus a single-precision value: cell %u, vertex %u, at "
-                        "(%.4f, %.4f, %.4f) um",
-                        surface.cell, v, surface.at(v).x, surface.at(v).y, surface.at(v).z);
+        found[s] = formatted("vertex is not its origin plus a single-precision value: cell %u, vertex %u, at "
+                             "(%.4f, %.4f, %.4f) um",
+                             surface.cell, v, surface.at(v).x, surface.at(v).y, surface.at(v).z);
     }
   });
   for (const std::string &text : found)
@@ -93,11 +84,11 @@ std::vector<std::uint32_t> missing_cells(const Views &surfaces, std::size_t cell
   std::vector<std::uint32_t> count(cells), missing;
   for (const SurfaceView &s : surfaces) {
     if (s.cell >= cells) {
-      broken.push_back(line("/meshes/cell: cell %u, but there are %zu cells", s.cell, cells));
+      broken.push_back(formatted("/meshes/cell: cell %u, but there are %zu cells", s.cell, cells));
     } else if (++count[s.cell] == 2) {
-      broken.push_back(line("/meshes/cell: cell %u has two closed surfaces", s.cell));
+      broken.push_back(formatted("/meshes/cell: cell %u has two closed surfaces", s.cell));
     }
-    if (!s.faces) broken.push_back(line("cell %u: a surface without faces", s.cell));
+    if (!s.faces) broken.push_back(formatted("cell %u: a surface without faces", s.cell));
   }
   for (std::uint32_t cell = 0; cell < cells; cell++)
     if (!count[cell]) missing.push_back(cell);
@@ -111,7 +102,7 @@ std::vector<std::string> FinalCheck::lines(std::size_t most) const {
   for (const Defect &defect : result.defects)
     if (out.size() < most) out.push_back(describe(defect, surfaces));
   for (const std::uint32_t cell : missing)
-    if (out.size() < most) out.push_back(line("cell %u has no surface", cell));
+    if (out.size() < most) out.push_back(formatted("cell %u has no surface", cell));
   if (out.size() > most) out.resize(most);
   return out;
 }

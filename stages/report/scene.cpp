@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene.hpp"
 
+#include "formatted.hpp"
 #include "view.hpp"
 
 #include <cmath>
@@ -12,16 +13,6 @@ namespace {
 // Far enough for any tissue, and near enough that voxels have numbers.
 constexpr double farthest = 1e7;                 // um
 constexpr std::uint64_t most_faces = 20'000'000; // more are not even read: they would not fit by far
-
-std::string sentence(const char *format, ...) CONCEG_PRINTF(1, 2);
-std::string sentence(const char *format, ...) {
-  char line[400];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(line, sizeof line, format, arguments);
-  va_end(arguments);
-  return line;
-}
 
 bool near_enough(const double *p) {
   return std::abs(p[0]) < farthest && std::abs(p[1]) < farthest && std::abs(p[2]) < farthest;
@@ -93,14 +84,15 @@ void read_skeletons(conceg_doc *doc, Scene &scene, std::size_t most) {
       most / 8);
   const Thinned &thinned = scene.skeleton;
   if (thinned.stride == 0)
-    scene.left_out.push_back(sentence("All skeletons: %zu points are too many for this page.", scene.points));
+    scene.left_out.push_back(
+        formatted("All skeletons: %zu points are too many for this page.", scene.points));
   else if (thinned.spacing_um > 0)
     scene.left_out.push_back(
-        sentence("Of %zu skeleton points %zu are drawn: one per %g um of path, every fork and tip.",
-                 scene.points, thinned.runs.position.size(), thinned.spacing_um));
+        formatted("Of %zu skeleton points %zu are drawn: one per %g um of path, every fork and tip.",
+                  scene.points, thinned.runs.position.size(), thinned.spacing_um));
   if (thinned.stride > 1)
     scene.left_out.push_back(
-        sentence("Only the processes of every %zuth cell are drawn; somata are all there.", thinned.stride));
+        formatted("Only the processes of every %zuth cell are drawn; somata are all there.", thinned.stride));
 }
 
 // Rows of /meshes at the coarsest level that there is.
@@ -133,8 +125,8 @@ void read_surfaces(conceg_doc *doc, Scene &scene, std::size_t most) {
   scene.faces = rows_at(doc, "/meshes/face");
   if (scene.faces > most_faces) {
     scene.left_out.push_back(
-        sentence("All surfaces: %llu triangles are too many for a page; skeletons stand for them.",
-                 static_cast<unsigned long long>(scene.faces)));
+        formatted("All surfaces: %llu triangles are too many for a page; skeletons stand for them.",
+                  static_cast<unsigned long long>(scene.faces)));
     return;
   }
   const auto cell = view<std::uint32_t>(doc, "/meshes/cell");
@@ -168,13 +160,13 @@ void read_surfaces(conceg_doc *doc, Scene &scene, std::size_t most) {
   scene.mesh = coarsen(std::move(surfaces), most);
   if (scene.level > 0)
     scene.left_out.push_back(
-        sentence("Surfaces are those of level %d, which may cross one another.", scene.level));
+        formatted("Surfaces are those of level %d, which may cross one another.", scene.level));
   if (scene.surfaces && scene.mesh.surfaces.empty())
     scene.left_out.push_back(
-        sentence("All surfaces: %llu triangles do not fit, even simplified; give a larger --size-mb.",
-                 static_cast<unsigned long long>(scene.faces)));
+        formatted("All surfaces: %llu triangles do not fit, even simplified; give a larger --size-mb.",
+                  static_cast<unsigned long long>(scene.faces)));
   else if (scene.mesh.step_um > 0)
-    scene.left_out.push_back(sentence(
+    scene.left_out.push_back(formatted(
         "Surfaces are simplified (vertices within voxels of %g um are merged), for the picture alone.",
         scene.mesh.step_um));
 }

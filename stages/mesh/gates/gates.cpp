@@ -6,15 +6,6 @@
 
 namespace conceg::gates {
 
-std::string line(const char *format, ...) {
-  char text[480];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
-
 const char *verdict_name(Verdict verdict) {
   return verdict == Verdict::passed ? "passed" : verdict == Verdict::failed ? "failed" : "void";
 }
@@ -28,12 +19,12 @@ void Gates::add(const char *group, const char *name, bool good, double value, co
 
 void Gates::at_most(const char *group, const char *name, double value, double limit, const char *unit,
                     const std::string &note) {
-  add(group, name, value <= limit, value, unit, line("at most %g", limit), note);
+  add(group, name, value <= limit, value, unit, formatted("at most %g", limit), note);
 }
 
 void Gates::at_least(const char *group, const char *name, double value, double limit, const char *unit,
                      const std::string &note) {
-  add(group, name, value >= limit, value, unit, line("at least %g", limit), note);
+  add(group, name, value >= limit, value, unit, formatted("at least %g", limit), note);
 }
 
 void Gates::none(const char *group, const char *name, std::uint64_t found, const std::string &looked_at,

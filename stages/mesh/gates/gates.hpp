@@ -6,6 +6,7 @@
 #include "parallel.hpp"
 
 #include "conceg/doc.h"
+#include "formatted.hpp"
 
 #include <string>
 #include <vector>
@@ -69,8 +70,5 @@ void volume_gates(conceg_ctx *ctx, conceg_doc *doc, const Limits &limits, Worker
 void space_gates(conceg_doc *doc, const Limits &limits, Workers &workers, const Progress &progress,
                  Gates &gates);
 void walk_gates(conceg_doc *doc, Gates &gates);
-
-// "text %d" as a string.
-std::string line(const char *format, ...) CONCEG_PRINTF(1, 2);
 
 } // namespace conceg::gates

@@ -125,14 +125,15 @@ Found look(const Faces &f, const Skeletons &s, const Cells &cells, std::size_t r
     const bool on_soma = section == kNoSection;
     if (on_soma ? code != 1 : code != 2 && code != 3 && code != 4 && code != 7) {
       if (!found.compartment++)
-        found.first_compartment = line("cell %zu, face %zu: compartment %u of section %d", cell, face, code,
-                                       static_cast<int>(section));
+        found.first_compartment = formatted("cell %zu, face %zu: compartment %u of section %d", cell, face,
+                                            code, static_cast<int>(section));
     }
     const bool known = !on_soma && section < b.kind.size() && b.kind[section];
     if (on_soma ? !(cells.radius[cell] > 0) : !known || b.kind[section] != code) {
       if (!found.section++)
-        found.first_section = line("cell %zu, face %zu: section %d, compartment %u, kind of the branch %d",
-                                   cell, face, static_cast<int>(section), code, known ? b.kind[section] : -1);
+        found.first_section =
+            formatted("cell %zu, face %zu: section %d, compartment %u, kind of the branch %d", cell, face,
+                      static_cast<int>(section), code, known ? b.kind[section] : -1);
     }
     if (i % kStride || (!on_soma && !known)) continue;
     const std::uint32_t *corner = f.face.row(i);
@@ -145,8 +146,9 @@ Found look(const Faces &f, const Skeletons &s, const Cells &cells, std::size_t r
                                : to_branch(s, cells, cell, b, section, centre);
     found.measured++;
     if (!(off <= 1.25 * reach + slack) && !found.far++)
-      found.first_far = line("cell %zu, face %zu lies %.3f um from the axis of section %d, %.3f um thick",
-                             cell, face, off, static_cast<int>(section), reach);
+      found.first_far =
+          formatted("cell %zu, face %zu lies %.3f um from the axis of section %d, %.3f um thick", cell, face,
+                    off, static_cast<int>(section), reach);
   }
   return found;
 }
@@ -182,14 +184,14 @@ void label_gates(conceg_doc *doc, Workers &workers, Gates &gates) {
     first(all.first_compartment, one.first_compartment), first(all.first_section, one.first_section);
     first(all.first_far, one.first_far);
   }
-  const std::string looked_at = line("%zu faces", f.face.rows());
+  const std::string looked_at = formatted("%zu faces", f.face.rows());
   gates.none(g, names[0], all.compartment, looked_at + ": 1 on a soma; 2, 3, 4 or 7 elsewhere",
              all.first_compartment);
   gates.none(g, names[1], all.section, looked_at + ": a branch of the cell, of the face's kind",
              all.first_section);
   gates.none(g, names[2], all.far,
-             line("every %zuth face, %llu in all: within 1.25 r + %.2f um of its section's axis", kStride,
-                  static_cast<unsigned long long>(all.measured), slack),
+             formatted("every %zuth face, %llu in all: within 1.25 r + %.2f um of its section's axis",
+                       kStride, static_cast<unsigned long long>(all.measured), slack),
              all.first_far);
 }
 

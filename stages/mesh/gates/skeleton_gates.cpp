@@ -20,7 +20,7 @@ struct Problems {
 void note_problem(void *user, const conceg_problem *problem) {
   auto &found = *static_cast<Problems *>(user);
   const std::string text =
-      line("%s %s: expected %s, got %s", problem->rule, problem->path, problem->expected, problem->got);
+      formatted("%s %s: expected %s, got %s", problem->rule, problem->path, problem->expected, problem->got);
   if (problem->severity == 0 && !found.errors++) found.first_error = text;
   if (std::string(problem->rule) == "CGX-070" && !found.stale++) found.first_stale = text;
 }
@@ -64,18 +64,18 @@ void cell_gates(conceg_doc *doc, Gates &gates) {
     }
     if (!inside)
       outside.add([&] {
-        return line("cell %zu at (%g, %g, %g) um", i, cells.soma.row(i)[0], cells.soma.row(i)[1],
-                    cells.soma.row(i)[2]);
+        return formatted("cell %zu at (%g, %g, %g) um", i, cells.soma.row(i)[0], cells.soma.row(i)[1],
+                         cells.soma.row(i)[2]);
       });
     if (cells.radius[i] > 0 || cells.points_of(i)) continue;
     if (cells.class_of(i) == "axon")
       lost_axons++;
     else
-      nothing.add([&] { return line("cell %zu has neither soma nor skeleton", i); });
+      nothing.add([&] { return formatted("cell %zu has neither soma nor skeleton", i); });
   }
-  gates.none("/cells", in_box, outside.count, line("%zu cells", cells.rows()), outside.first);
+  gates.none("/cells", in_box, outside.count, formatted("%zu cells", cells.rows()), outside.first);
   gates.none("/cells", empty, nothing.count,
-             line("%zu cells; %zu passing axons found no free start", cells.rows(), lost_axons),
+             formatted("%zu cells; %zu passing axons found no free start", cells.rows(), lost_axons),
              nothing.first);
 }
 
@@ -99,10 +99,10 @@ void skeleton_gates(conceg_doc *doc, Gates &gates) {
       const std::size_t row = i - s.offset[cell];
       const double *p = s.position.row(i), *c = cells.soma.row(cell);
       const double r = static_cast<double>(s.radius[i]);
-      const auto place = [&] { return line("cell %zu, point %zu", cell, row); };
+      const auto place = [&] { return formatted("cell %zu, point %zu", cell, row); };
       if (s.parent[i] < -1 || s.parent[i] >= static_cast<std::int64_t>(row))
-        order.add([&] { return place() + line(": parent %lld", static_cast<long long>(s.parent[i])); });
-      if (!(r > 0) || !std::isfinite(r)) radii.add([&] { return place() + line(": %g um", r); });
+        order.add([&] { return place() + formatted(": parent %lld", static_cast<long long>(s.parent[i])); });
+      if (!(r > 0) || !std::isfinite(r)) radii.add([&] { return place() + formatted(": %g um", r); });
       least = std::min(least, r), largest = std::max(largest, r);
       if (!std::isfinite(p[0] + p[1] + p[2])) {
         places.add(place);
@@ -110,7 +110,7 @@ void skeleton_gates(conceg_doc *doc, Gates &gates) {
       }
       for (int axis = 0; axis < 3; axis++)
         if (!box.periodic[axis] && (p[axis] < box.lo[axis] - 1 || p[axis] > box.hi[axis] + 1)) {
-          beyond.add([&] { return place() + line(" at (%g, %g, %g) um", p[0], p[1], p[2]); });
+          beyond.add([&] { return place() + formatted(" at (%g, %g, %g) um", p[0], p[1], p[2]); });
           break;
         }
       if (s.parent[i] != -1 || !(cells.radius[cell] > 0)) continue;
@@ -119,13 +119,13 @@ void skeleton_gates(conceg_doc *doc, Gates &gates) {
       roots++;
       if (off > farthest_root) farthest_root = off, worst_cell = cell;
     }
-  const std::string looked_at = line("%zu points of %zu cells", s.points(), cells.rows());
+  const std::string looked_at = formatted("%zu points of %zu cells", s.points(), cells.rows());
   gates.none(g, names[0], order.count, looked_at, order.first);
-  gates.none(g, names[1], radii.count, looked_at + line(", %g to %g um", least, largest), radii.first);
+  gates.none(g, names[1], radii.count, looked_at + formatted(", %g to %g um", least, largest), radii.first);
   gates.none(g, names[2], places.count, looked_at, places.first);
   if (roots)
     gates.at_most(g, names[3], farthest_root, kRootReach, "um",
-                  line("%zu roots, from the soma's surface; farthest in cell %zu", roots, worst_cell));
+                  formatted("%zu roots, from the soma's surface; farthest in cell %zu", roots, worst_cell));
   else
     gates.not_judged(g, names[3], "no cell with a soma and a skeleton");
   if (box.periodic[0] && box.periodic[1] && box.periodic[2])
@@ -175,20 +175,22 @@ void bar_gates(conceg_doc *doc, const Limits &limits, Gates &gates) {
       const bool stands = b.state[k] == 1 || b.state[k] == 2;
       grown_bars += stands && seen[i];
       if (stands && !seen[i] && b.achieved_end[k] > b.achieved_start[k])
-        unknown.add([&] { return line("cell %zu, bar %zu (state %u) has no point", cell, i, b.state[k]); });
+        unknown.add(
+            [&] { return formatted("cell %zu, bar %zu (state %u) has no point", cell, i, b.state[k]); });
       if (!stands && b.state[k] != 4 && seen[i])
-        unknown.add([&] { return line("cell %zu, bar %zu (state %u) has points", cell, i, b.state[k]); });
+        unknown.add(
+            [&] { return formatted("cell %zu, bar %zu (state %u) has points", cell, i, b.state[k]); });
     }
     all_tips += cell_tips;
     if (cell_tips != grown_bars)
-      tips.add([&] { return line("cell %zu has %zu tips for %zu bars", cell, cell_tips, grown_bars); });
+      tips.add([&] { return formatted("cell %zu has %zu tips for %zu bars", cell, cell_tips, grown_bars); });
   }
   gates.at_least(g, names[0], asked > 0 ? achieved / asked : 1, limits.cable, "1",
-                 line("%.1f of %.1f um in %zu bars: %zu done, %zu short, %zu lost, %zu handed on", achieved,
-                      asked, bars, state[1], state[2], state[3], state[4]));
+                 formatted("%.1f of %.1f um in %zu bars: %zu done, %zu short, %zu lost, %zu handed on",
+                           achieved, asked, bars, state[1], state[2], state[3], state[4]));
   gates.none(g, names[1], tips.count,
-             line("%zu tips of %zu cells: one per bar that stands", all_tips, cells.rows()), tips.first);
-  gates.none(g, names[2], unknown.count, line("%zu bars", bars), unknown.first);
+             formatted("%zu tips of %zu cells: one per bar that stands", all_tips, cells.rows()), tips.first);
+  gates.none(g, names[2], unknown.count, formatted("%zu bars", bars), unknown.first);
 }
 
 } // namespace conceg::gates

@@ -56,7 +56,7 @@ std::string of_surfaces(const FinalCheck &check) {
   std::size_t faces = 0;
   for (const SurfaceView &surface : check.surfaces)
     faces += surface.faces;
-  return line("%zu closed surfaces of level 0, %zu faces", check.surfaces.size(), faces);
+  return formatted("%zu closed surfaces of level 0, %zu faces", check.surfaces.size(), faces);
 }
 
 void flaws_of(const FinalCheck &check, Gates &gates) {
@@ -68,8 +68,8 @@ void flaws_of(const FinalCheck &check, Gates &gates) {
         first = describe(defect, check.surfaces);
     const bool pairs = is_pair(gate.flaws[0]);
     gates.none(g, gate.name, found,
-               pairs ? line("%llu pairs of faces in all images",
-                            static_cast<unsigned long long>(check.result.pairs_checked))
+               pairs ? formatted("%llu pairs of faces in all images",
+                                 static_cast<unsigned long long>(check.result.pairs_checked))
                      : of_surfaces(check),
                first);
   }
@@ -80,7 +80,7 @@ void gap_of(const FinalCheck &check, double least_gap, Gates &gates) {
   std::string where;
   for (std::size_t s = 0; s < check.surfaces.size(); s++)
     if (check.result.min_gap[s] < least)
-      least = check.result.min_gap[s], where = line("least at cell %u", check.surfaces[s].cell);
+      least = check.result.min_gap[s], where = formatted("least at cell %u", check.surfaces[s].cell);
   for (const Defect &defect : check.result.defects)
     if (defect.flaw == Flaw::near) {
       where = describe(defect, check.surfaces);
@@ -97,11 +97,11 @@ void completeness(conceg_doc *doc, const FinalCheck &check, Gates &gates) {
     if (cell < cells.rows() && !(cells.radius[cell] > 0) && !cells.points_of(cell))
       excused++;
     else if (!missing++)
-      first = line("cell %u has no surface", cell);
+      first = formatted("cell %u has no surface", cell);
   }
   gates.none(g, "every cell has its surface", missing,
-             line("%zu cells; %llu have neither soma nor skeleton", cells.rows(),
-                  static_cast<unsigned long long>(excused)),
+             formatted("%zu cells; %llu have neither soma nor skeleton", cells.rows(),
+                       static_cast<unsigned long long>(excused)),
              first);
 }
 
@@ -168,20 +168,22 @@ void pieces_and_genus(conceg_doc *doc, const FinalCheck &check, const Measured &
   for (std::size_t s = 0; s < check.surfaces.size(); s++) {
     const unsigned cell = check.surfaces[s].cell;
     if (!check.result.usable[s]) continue;
-    if (m.pieces[s] != 1 && !several++) first_several = line("cell %u has %zu pieces", cell, m.pieces[s]);
+    if (m.pieces[s] != 1 && !several++)
+      first_several = formatted("cell %u has %zu pieces", cell, m.pieces[s]);
     handles += static_cast<std::uint64_t>(std::max<std::int64_t>(0, m.genus[s])),
         with_handles += m.genus[s] > 0;
     if (row[s] < genus.rows() && genus[row[s]] != m.genus[s] && !other++)
-      first_other = line("cell %u: stored %lld, counted %lld", cell, static_cast<long long>(genus[row[s]]),
-                         static_cast<long long>(m.genus[s]));
+      first_other = formatted("cell %u: stored %lld, counted %lld", cell,
+                              static_cast<long long>(genus[row[s]]), static_cast<long long>(m.genus[s]));
   }
   gates.none(g, "one piece", several, of_surfaces(check), first_several);
   if (!genus.rows())
     gates.not_judged(g, "genus as stored", "no /meshes/genus");
   else
     gates.none(g, "genus as stored", other,
-               line("%llu cells touch themselves and have %llu handles",
-                    static_cast<unsigned long long>(with_handles), static_cast<unsigned long long>(handles)),
+               formatted("%llu cells touch themselves and have %llu handles",
+                         static_cast<unsigned long long>(with_handles),
+                         static_cast<unsigned long long>(handles)),
                first_other);
 }
 
@@ -196,7 +198,8 @@ void measures_as_stored(conceg_doc *doc, const FinalCheck &check, const Measured
   std::string first;
   const auto differ = [&](std::size_t s, const char *what, double stored, double found) {
     if (!other++)
-      first = line("cell %u: %s stored %.9g, measured %.9g", check.surfaces[s].cell, what, stored, found);
+      first =
+          formatted("cell %u: %s stored %.9g, measured %.9g", check.surfaces[s].cell, what, stored, found);
   };
   for (std::size_t s = 0; s < check.surfaces.size(); s++) {
     const std::size_t k = row[s];
@@ -217,9 +220,9 @@ void left_out(conceg_doc *doc, const Measured &m, const Limits &limits, Gates &g
   std::size_t cells = 0;
   for (const double d : detached)
     cells += d > 0;
-  gates.at_most(
-      g, "detached pieces", kept + lost > 0 ? lost / (kept + lost) : 0, limits.detached, "1",
-      line("of the cells' volume is cut off from somata and left out: %.2f um3 of %zu cells", lost, cells));
+  gates.at_most(g, "detached pieces", kept + lost > 0 ? lost / (kept + lost) : 0, limits.detached, "1",
+                formatted("of the cells' volume is cut off from somata and left out: %.2f um3 of %zu cells",
+                          lost, cells));
 }
 
 void fraction_as_stored(conceg_doc *doc, const conceg_box &box, const Measured &m, Gates &gates) {
@@ -227,7 +230,7 @@ void fraction_as_stored(conceg_doc *doc, const conceg_box &box, const Measured &
                found = std::accumulate(m.inside.begin(), m.inside.end(), 0.0) / volume(box);
   if (std::isnan(stored)) return gates.not_judged(g, "volume fraction as stored", "no /meshes@icvf");
   gates.at_most(g, "volume fraction as stored", std::fabs(found - stored), kExact, "1",
-                line("stored %.9f, the surfaces enclose %.9f of the box", stored, found));
+                formatted("stored %.9f, the surfaces enclose %.9f of the box", stored, found));
 }
 
 // Coarser levels are for viewers: each must be closed, manifold and outward by itself.
@@ -261,10 +264,10 @@ void coarser_levels(conceg_doc *doc, Workers &workers, Gates &gates) {
   for (std::size_t k = 0; k < found.size(); k++) {
     looked_at += lod[k] > 0;
     if (first.empty() && !found[k].empty())
-      first = line("level %u, ", unsigned(lod[k])) + describe(found[k][0], surfaces);
+      first = formatted("level %u, ", unsigned(lod[k])) + describe(found[k][0], surfaces);
     defects += found[k].size();
   }
-  gates.none(g, name, defects, line("%llu surfaces", static_cast<unsigned long long>(looked_at)), first);
+  gates.none(g, name, defects, formatted("%llu surfaces", static_cast<unsigned long long>(looked_at)), first);
 }
 
 } // namespace
@@ -277,7 +280,7 @@ void surface_gates(conceg_doc *doc, const Limits &limits, Workers &workers, cons
   }
   for (const char *path : {"/meshes/lod", "/meshes/form"})
     if (!has(doc, path)) {
-      gates.not_judged(g, "rows", line("no %s, which tells the surfaces to look at", path));
+      gates.not_judged(g, "rows", formatted("no %s, which tells the surfaces to look at", path));
       return nothing_judged(gates, "the surfaces are not told apart");
     }
   const double gap = scalar_of<double>(doc, "/meshes@gap", 0),

@@ -155,10 +155,10 @@ void fraction_by_points(const Search &search, const conceg_box &box, double by_m
                error = std::sqrt(share * (1 - share) / count);
   if (3 * error > limits.icvf)
     return gates.not_judged("/meshes", in_box,
-                            line("%.0f points tell the fraction to %.5f only", count, error));
+                            formatted("%.0f points tell the fraction to %.5f only", count, error));
   gates.at_most("/meshes", in_box, std::fabs(share - by_mesh), limits.icvf, "1",
-                line("%.5f +- %.5f by %.0f located points, %.5f by the surfaces' volumes", share, error,
-                     count, by_mesh));
+                formatted("%.5f +- %.5f by %.0f located points, %.5f by the surfaces' volumes", share, error,
+                          count, by_mesh));
 }
 
 void fraction_by_labels(const Voxels &voxels, const CellVolumes &mesh, double by_mesh, const Limits &limits,
@@ -172,9 +172,9 @@ void fraction_by_labels(const Voxels &voxels, const CellVolumes &mesh, double by
       if (label > 0 && label <= count.size()) count[label - 1]++;
     });
   const double share = static_cast<double>(all) * voxels.voxel() / voxels.box();
-  gates.at_most(
-      "/volumes", by_labels, std::fabs(share - by_mesh), limits.icvf, "1",
-      line("%.5f by voxels of %.3f um, %.5f by the surfaces' volumes", share, voxels.spacing[0], by_mesh));
+  gates.at_most("/volumes", by_labels, std::fabs(share - by_mesh), limits.icvf, "1",
+                formatted("%.5f by voxels of %.3f um, %.5f by the surfaces' volumes", share,
+                          voxels.spacing[0], by_mesh));
   double worst = 0;
   std::size_t compared = 0, worst_cell = 0;
   for (std::size_t cell = 0; cell < count.size(); cell++) {
@@ -187,11 +187,12 @@ void fraction_by_labels(const Voxels &voxels, const CellVolumes &mesh, double by
         surface;
     if (off > worst) worst = off, worst_cell = cell;
   }
-  if (!compared) return gates.not_judged("/volumes", of_cells, line("no cell has %.0f voxels", kFewVoxels));
+  if (!compared)
+    return gates.not_judged("/volumes", of_cells, formatted("no cell has %.0f voxels", kFewVoxels));
   gates.at_most(
       "/volumes", of_cells, worst, limits.cell_volume, "1",
-      line("relative difference from the surfaces; worst of %zu cells of %.0f voxels or more: cell %zu",
-           compared, kFewVoxels, worst_cell));
+      formatted("relative difference from the surfaces; worst of %zu cells of %.0f voxels or more: cell %zu",
+                compared, kFewVoxels, worst_cell));
 }
 
 void labels_in_place(const Search &search, const Voxels &voxels, Workers &workers, Gates &gates) {
@@ -214,9 +215,9 @@ void labels_in_place(const Search &search, const Voxels &voxels, Workers &worker
     looked[row] = static_cast<std::uint32_t>(cell.size());
     for (std::size_t i = 0; i < cell.size(); i++)
       if (cell[i] != label[i] && !other[row]++)
-        first[row] = line("label of cell %lld in cell %lld at (%.3f, %.3f, %.3f) um; -1 = outside",
-                          static_cast<long long>(label[i]), static_cast<long long>(cell[i]), point[3 * i],
-                          point[3 * i + 1], point[3 * i + 2]);
+        first[row] = formatted("label of cell %lld in cell %lld at (%.3f, %.3f, %.3f) um; -1 = outside",
+                               static_cast<long long>(label[i]), static_cast<long long>(cell[i]),
+                               point[3 * i], point[3 * i + 1], point[3 * i + 2]);
   });
   const double count = static_cast<double>(std::accumulate(looked.begin(), looked.end(), std::uint64_t(0))),
                found = static_cast<double>(std::accumulate(other.begin(), other.end(), std::uint64_t(0)));
@@ -227,8 +228,8 @@ void labels_in_place(const Search &search, const Voxels &voxels, Workers &worker
     if (place.empty()) place = text;
   gates.at_most(
       "/volumes", in_place, found / count, kMisplaced, "1",
-      line("of %.0f voxels more than %.3f um from a membrane lie in another cell than their label's", count,
-           clear) +
+      formatted("of %.0f voxels more than %.3f um from a membrane lie in another cell than their label's",
+                count, clear) +
           (place.empty() ? "" : "; first: " + place));
 }
 
@@ -323,17 +324,17 @@ void space_gates(conceg_doc *doc, const Limits &limits, Workers &workers, const 
   const mesh::Space space = mesh::extracellular_space(scene, index, workers, progress);
   gates.at_least(
       g, name, space.largest, 0.99, "1",
-      line("of the space outside of all cells, %.4f of the box, in the largest of %llu pieces; by the "
-           "skeletons' field on the grid of the meshes",
-           space.volume, static_cast<unsigned long long>(space.pieces)));
+      formatted("of the space outside of all cells, %.4f of the box, in the largest of %llu pieces; by the "
+                "skeletons' field on the grid of the meshes",
+                space.volume, static_cast<unsigned long long>(space.pieces)));
 }
 
 void walk_gates(conceg_doc *doc, Gates &gates) {
   if (!has(doc, "/walkers@leaks")) return gates.not_judged("/walkers", "no walker leaks", "no /walkers");
   const std::uint64_t leaks = scalar_of<std::uint64_t>(doc, "/walkers@leaks", ~0ull);
   gates.none("/walkers", "no walker leaks", leaks,
-             line("%zu walkers, found in another cell than their seed's and run again",
-                  rows_of<std::int64_t>(doc, "/walkers/cell").rows()),
+             formatted("%zu walkers, found in another cell than their seed's and run again",
+                       rows_of<std::int64_t>(doc, "/walkers/cell").rows()),
              "not stored which");
 }
 
